@@ -1,0 +1,155 @@
+//! `Lanes`: n rays, or n triangles, in lockstep. The step and the triangle test are written once, for any width.
+
+use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Shl, Shr, Sub};
+
+/// One truth value a lane.
+pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// Whether any lane is true.
+    fn any(self) -> bool;
+    /// Lane k as bit k.
+    fn to_bits(self) -> u32;
+}
+
+/// One `u32` a lane.
+pub trait Bits:
+    Copy
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + BitXor<Output = Self>
+    + Not<Output = Self>
+    + Shl<Output = Self>
+    + Shr<Output = Self>
+{
+    /// The same value in every lane.
+    fn splat(value: u32) -> Self;
+    /// The sum, modulo 2^32.
+    fn plus(self, other: Self) -> Self;
+    /// The difference, modulo 2^32.
+    fn minus(self, other: Self) -> Self;
+    /// Whether any lane is not zero.
+    fn any(self) -> bool;
+
+    /// All ones where the lane is 1, zero where it is 0.
+    fn spread(self) -> Self {
+        Self::splat(0).minus(self)
+    }
+}
+
+/// One `f32` a lane, with IEEE 754 arithmetic: every operation rounds once, to nearest, and is never fused.
+pub trait Lanes:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    /// Truth values.
+    type Mask: Mask;
+    /// Integers.
+    type Bits: Bits;
+    /// How many lanes.
+    const COUNT: usize;
+
+    /// The same value in every lane.
+    fn splat(value: f32) -> Self;
+    /// `self < other`.
+    fn less(self, other: Self) -> Self::Mask;
+    /// `self <= other`.
+    fn at_most(self, other: Self) -> Self::Mask;
+    /// `self == other`.
+    fn equal(self, other: Self) -> Self::Mask;
+    /// `self` where the mask is true, else `other`.
+    fn or_else(self, mask: Self::Mask, other: Self) -> Self;
+    /// The magnitude.
+    fn abs(self) -> Self;
+    /// The bit patterns.
+    fn bits(self) -> Self::Bits;
+    /// The numbers of bit patterns.
+    fn from_bits(bits: Self::Bits) -> Self;
+    /// Integers below 2^24 as numbers: exact.
+    fn from_integers(integers: Self::Bits) -> Self;
+    /// 1 where the mask is true, else 0.
+    fn indicator(mask: Self::Mask) -> Self::Bits;
+
+    /// The smaller of two numbers.
+    fn min(self, other: Self) -> Self {
+        self.or_else(self.less(other), other)
+    }
+
+    /// The larger of two numbers.
+    fn max(self, other: Self) -> Self {
+        self.or_else(other.less(self), other)
+    }
+
+    /// `self * other - product` without error, given `product = fl(self * other)` (Dekker 1971).
+    ///
+    /// Halves of 12 bits have exact products. A fused multiply-add gives the same bits and may stand in.
+    fn product_error(self, other: Self, product: Self) -> Self {
+        let head = Self::Bits::splat(0xffff_f000);
+        let (a1, b1) = (Self::from_bits(self.bits() & head), Self::from_bits(other.bits() & head));
+        let (a2, b2) = (self - a1, other - b1);
+        a2 * b2 - (((product - a1 * b1) - a2 * b1) - a1 * b2)
+    }
+
+    /// 0 where the magnitude is under `smallest`.
+    fn flush(self, smallest: f32) -> Self {
+        Self::splat(0.0).or_else(self.abs().less(Self::splat(smallest)), self)
+    }
+}
+
+impl Mask for bool {
+    fn any(self) -> bool {
+        self
+    }
+    fn to_bits(self) -> u32 {
+        u32::from(self)
+    }
+}
+
+impl Bits for u32 {
+    fn splat(value: u32) -> Self {
+        value
+    }
+    fn plus(self, other: Self) -> Self {
+        self.wrapping_add(other)
+    }
+    fn minus(self, other: Self) -> Self {
+        self.wrapping_sub(other)
+    }
+    fn any(self) -> bool {
+        self != 0
+    }
+}
+
+impl Lanes for f32 {
+    type Mask = bool;
+    type Bits = u32;
+    const COUNT: usize = 1;
+
+    fn splat(value: f32) -> Self {
+        value
+    }
+    fn less(self, other: Self) -> bool {
+        self < other
+    }
+    fn at_most(self, other: Self) -> bool {
+        self <= other
+    }
+    fn equal(self, other: Self) -> bool {
+        self == other
+    }
+    fn or_else(self, mask: bool, other: Self) -> Self {
+        if mask { self } else { other }
+    }
+    fn abs(self) -> Self {
+        f32::abs(self)
+    }
+    fn bits(self) -> u32 {
+        self.to_bits()
+    }
+    fn from_bits(bits: u32) -> Self {
+        f32::from_bits(bits)
+    }
+    fn from_integers(integers: u32) -> Self {
+        integers as f32
+    }
+    fn indicator(mask: bool) -> u32 {
+        u32::from(mask)
+    }
+}

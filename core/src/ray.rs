@@ -1,0 +1,97 @@
+//! Rays as callers give them, hits as they get them back, and the canonical ray that every backend traces.
+
+use bytemuck::{Pod, Zeroable};
+
+/// A ray in the caller's units: the points `origin + t * direction` with `t_min < t < t_max`.
+///
+/// The direction needs no unit length; `t` counts in multiples of it. A ray is *invalid*, and misses, when any
+/// component is NaN, when `origin`, `direction` or `t_min` holds an infinity, or when the direction is zero.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Ray {
+    /// Where `t` is 0.
+    pub origin: [f32; 3],
+    /// Hits count strictly beyond it; it may be negative.
+    pub t_min: f32,
+    /// Any length but zero.
+    pub direction: [f32; 3],
+    /// Hits count strictly before it; infinity means no limit.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// A ray from `origin` on, without a limit: `0 < t`.
+    pub fn new(origin: impl Into<[f32; 3]>, direction: impl Into<[f32; 3]>) -> Self {
+        Self::between(origin, direction, 0.0, f32::INFINITY)
+    }
+
+    /// A ray limited to `t_min < t < t_max`.
+    pub fn between(origin: impl Into<[f32; 3]>, direction: impl Into<[f32; 3]>, t_min: f32, t_max: f32) -> Self {
+        Self { origin: origin.into(), t_min, direction: direction.into(), t_max }
+    }
+
+    /// Whether the ray can be traced at all; an invalid ray misses.
+    pub fn is_valid(&self) -> bool {
+        let finite = self.origin.iter().chain(&self.direction).all(|c| c.is_finite());
+        finite && self.t_min.is_finite() && !self.t_max.is_nan() && self.direction != [0.0; 3]
+    }
+}
+
+/// Where a ray meets a triangle, or [`Hit::MISS`].
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Hit {
+    /// Distance along the ray in multiples of its direction; infinity for a miss.
+    pub t: f32,
+    /// Barycentric weight of the triangle's vertex 1, in 0..=1.
+    pub u: f32,
+    /// Barycentric weight of the triangle's vertex 2, in 0..=1.
+    pub v: f32,
+    /// The triangle's index in the mesh; `u32::MAX` for a miss.
+    pub primitive: u32,
+}
+
+impl Hit {
+    /// No triangle was met.
+    pub const MISS: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, primitive: u32::MAX };
+
+    /// Whether this is [`Hit::MISS`].
+    pub fn is_miss(&self) -> bool {
+        self.primitive == u32::MAX
+    }
+}
+
+/// FNV-1a (64 bits) over the 16 bytes of each hit, in order: one number to compare two backends by.
+pub fn hit_hash(hits: &[Hit]) -> u64 {
+    const OFFSET_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+    const PRIME: u64 = 0x100_0000_01b3;
+    let words = hits.iter().flat_map(|hit| [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive]);
+    words.flat_map(u32::to_le_bytes).fold(OFFSET_BASIS, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
+}
+
+/// A ray in lattice units, rescaled so that every backend sees the same numbers; made by [`crate::Frame::canonical`].
+///
+/// The largest direction component lies in 1..2 and those under 2^-40 are 0. Distances along it are written t'.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CanonicalRay {
+    /// In lattice units, within one root edge of the root cube.
+    pub origin: [f32; 3],
+    /// Hits count for t' strictly above it.
+    pub t_min: f32,
+    /// Scaled by a power of two.
+    pub direction: [f32; 3],
+    /// Hits count for t' strictly below it; may be infinite.
+    pub t_max: f32,
+    /// t' of the canonical origin, counted from the caller's origin: not 0 when a far origin was moved.
+    pub(crate) t_entry: f64,
+    /// One unit of t' in the caller's t: a power of two.
+    pub(crate) unit: f64,
+}
+
+impl CanonicalRay {
+    /// The caller's t of a canonical distance, for reporting only: it decides nothing.
+    pub fn reported(&self, t: f32) -> f32 {
+        // Finite stays finite, since only a miss reports infinity.
+        (((self.t_entry + f64::from(t)) * self.unit) as f32).clamp(f32::MIN, f32::MAX)
+    }
+}

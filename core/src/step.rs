@@ -1,0 +1,265 @@
+//! The branchless step: from a cell through its exit face into the neighbouring cell, for any lanes.
+//!
+//! Two ways to find the exit share the cell and link code: by the signs of Plücker products, as in the paper, and by
+//! slab distances. Both only ever move forward along the ray's octant, so the Morton key XOR the octant grows with every
+//! step and a walk ends whatever the rounding (ARCHITECTURE.md, "Step").
+
+use crate::lanes::{Bits, Lanes};
+use crate::layout::{Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_SHIFT, Record};
+use crate::ray::CanonicalRay;
+use crate::tables::{self, EXIT_AXIS};
+
+/// Stands for 1 / 0, in lattice steps: any coordinate difference above 2^-40 becomes a distance beyond the root.
+const STEEP: f32 = (1u64 << 44) as f32;
+/// Where the exit planes of an axis without direction are seen from, in lattice steps: farther than any other exit.
+const FAR_BEHIND: f32 = -((1u64 << 56) as f32);
+
+/// What a step needs to know of a ray. All lengths are in lattice steps: a power of two away from lattice units, so
+/// every sum, product and comparison has the same bits, and cell corners serve as they are.
+#[derive(Clone, Copy, Debug)]
+pub struct Line<L: Lanes> {
+    /// Where t' is 0.
+    pub origin: [L; 3],
+    /// Per unit of t'.
+    pub direction: [L; 3],
+    /// 1 / direction, or 2^44 where that is zero: good for conservative box tests as it stands.
+    pub inverse: [L; 3],
+    /// The origin, or far behind it where the direction is zero: such planes are never the first exit.
+    exit_origin: [L; 3],
+    /// 1 along axes on which the ray moves up, else -1.
+    forward: [L; 3],
+    /// Bit k: direction k is negative.
+    pub neg: L::Bits,
+    /// All ones on the axes along which the ray moves up.
+    upward: [L::Bits; 3],
+    /// Bit k decides a tie of the two products of Plücker component k.
+    tie: L::Bits,
+}
+
+impl<L: Lanes> Line<L> {
+    /// One ray in every lane.
+    pub fn new(ray: &CanonicalRay) -> Self {
+        let d = ray.direction;
+        let neg = (0..3).fold(0, |bits, k| bits | u32::from(d[k] < 0.0) << k);
+        let origin = ray.origin.map(|c| c * LATTICE as f32);
+        let direction = d.map(|c| c * LATTICE as f32);
+        Self {
+            origin: origin.map(L::splat),
+            direction: direction.map(L::splat),
+            inverse: direction.map(|c| L::splat(if c == 0.0 { STEEP } else { 1.0 / c })),
+            exit_origin: core::array::from_fn(|k| L::splat(if d[k] == 0.0 { FAR_BEHIND } else { origin[k] })),
+            forward: d.map(|c| L::splat(if c < 0.0 { -1.0 } else { 1.0 })),
+            neg: L::Bits::splat(neg),
+            upward: d.map(|c| L::Bits::splat(if c < 0.0 { 0 } else { u32::MAX })),
+            tie: L::Bits::splat(tie_bits(d, neg)),
+        }
+    }
+}
+
+/// How ties between exit distances break: x before y before z, axes with direction 0 last (simulation of simplicity).
+fn tie_bits(d: [f32; 3], neg: u32) -> u32 {
+    let before = |a: usize, b: usize| match (d[a] == 0.0, d[b] == 0.0) {
+        (false, true) => true,
+        (true, false) => false,
+        _ => a < b,
+    };
+    let preferred = u32::from(before(1, 2)) | u32::from(before(2, 0)) << 1 | u32::from(before(0, 1)) << 2;
+    preferred ^ tables::mask(neg)
+}
+
+/// A cell, in lattice steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Cell<L: Lanes> {
+    /// Lower corner.
+    pub corner: [L::Bits; 3],
+    /// Edge.
+    pub size: L::Bits,
+}
+
+impl<L: Lanes> Cell<L> {
+    /// The same cell in every lane.
+    pub fn new(key: Key) -> Self {
+        Self { corner: key.corner.map(L::Bits::splat), size: L::Bits::splat(key.size()) }
+    }
+
+    fn exit_planes(&self, line: &Line<L>) -> [L; 3] {
+        core::array::from_fn(|k| L::from_integers(self.corner[k].plus(self.size & line.upward[k])))
+    }
+
+    fn centre(&self) -> [L; 3] {
+        let half = self.size >> L::Bits::splat(1);
+        self.corner.map(|corner| L::from_integers(corner.plus(half)))
+    }
+}
+
+/// The face by which a ray leaves a cell.
+#[derive(Clone, Copy, Debug)]
+pub struct Exit<L: Lanes> {
+    /// Which axis it is on: one of three.
+    pub axis: [L::Mask; 3],
+    /// 2 * axis + positive.
+    pub face: L::Bits,
+    /// Distance from the ray's origin to the exit plane along that axis, forward positive, in lattice steps.
+    pub distance: L,
+    /// Magnitude of the direction along that axis, in lattice steps.
+    pub speed: L,
+    /// t' of the exit plane where the step computes it, else 0.
+    pub t: L,
+}
+
+impl<L: Lanes> Exit<L> {
+    #[inline(always)]
+    fn new(line: &Line<L>, planes: [L; 3], axis: [L::Mask; 3], t: L) -> Self {
+        let one = L::Bits::splat(1);
+        let number = L::indicator(axis[1]) | L::indicator(axis[2]) << one;
+        let positive = (line.neg >> number & one) ^ one;
+        let pick = |values: [L; 3]| values[0].or_else(axis[0], values[1].or_else(axis[1], values[2]));
+        let away = core::array::from_fn(|k| planes[k] - line.origin[k]);
+        Self {
+            axis,
+            face: number << one | positive,
+            distance: pick(away) * pick(line.forward),
+            speed: pick(line.direction).abs(),
+            t,
+        }
+    }
+}
+
+/// A way to find the exit face, and the quadrant of it where four neighbours share it.
+pub trait Step: Copy {
+    /// The exit face of a cell.
+    fn exit<L: Lanes>(line: &Line<L>, cell: &Cell<L>) -> Exit<L>;
+    /// Bit k: the exit point lies in the upper half of axis k; the exit axis's own bit means nothing.
+    fn upper_halves<L: Lanes>(line: &Line<L>, cell: &Cell<L>, exit: &Exit<L>) -> L::Bits;
+}
+
+/// Exit by the smallest slab distance.
+#[derive(Clone, Copy, Debug)]
+pub struct Slab;
+
+impl Step for Slab {
+    #[inline(always)]
+    fn exit<L: Lanes>(line: &Line<L>, cell: &Cell<L>) -> Exit<L> {
+        let planes = cell.exit_planes(line);
+        let [x, y, z] = core::array::from_fn(|k| (planes[k] - line.exit_origin[k]) * line.inverse[k]);
+        let is_x = x.at_most(y) & x.at_most(z);
+        let is_y = y.at_most(z) & !is_x;
+        let is_z = !is_x & !is_y;
+        Exit::new(line, planes, [is_x, is_y, is_z], x.or_else(is_x, y.or_else(is_y, z)))
+    }
+
+    #[inline(always)]
+    fn upper_halves<L: Lanes>(line: &Line<L>, cell: &Cell<L>, exit: &Exit<L>) -> L::Bits {
+        let centre = cell.centre();
+        let one = L::Bits::splat(1);
+        (0..3).fold(L::Bits::splat(0), |bits, k| {
+            let point = line.origin[k] + exit.t * line.direction[k];
+            // A tie goes to the half that lies ahead.
+            let upward = centre[k].at_most(point);
+            let downward = centre[k].less(point);
+            let upper = (L::indicator(upward) & line.upward[k]) | (L::indicator(downward) & !line.upward[k]);
+            bits | (upper & one) << L::Bits::splat(k as u32)
+        })
+    }
+}
+
+/// Exit by the signs of the Plücker products of the ray with the edges that meet in the exit corner P, in the form
+/// (P - origin) x direction (Portalez & Duguet, eq. 4 and 5), each sign taken as a comparison of two products.
+#[derive(Clone, Copy, Debug)]
+pub struct Pluecker;
+
+impl Pluecker {
+    /// The two products whose difference is component k of (point - origin) x direction.
+    fn products<L: Lanes>(line: &Line<L>, point: [L; 3]) -> [(L, L); 3] {
+        let w: [L; 3] = core::array::from_fn(|k| point[k] - line.origin[k]);
+        let d = line.direction;
+        [(w[1] * d[2], w[2] * d[1]), (w[2] * d[0], w[0] * d[2]), (w[0] * d[1], w[1] * d[0])]
+    }
+}
+
+impl Step for Pluecker {
+    #[inline(always)]
+    fn exit<L: Lanes>(line: &Line<L>, cell: &Cell<L>) -> Exit<L> {
+        let planes = cell.exit_planes(line);
+        let one = L::Bits::splat(1);
+        let mut pattern = L::Bits::splat(0);
+        for (k, (a, b)) in Self::products(line, planes).into_iter().enumerate() {
+            let bit = L::Bits::splat(k as u32);
+            let tie = L::indicator(a.equal(b)) & (line.tie >> bit & one);
+            pattern = pattern | (L::indicator(a.less(b)) | tie) << bit;
+        }
+        let [x, y, z] = [0, 1, 2].map(|k| line.neg >> L::Bits::splat(k) & one);
+        let mask = (y ^ z) | (z ^ x) << one | (x ^ y) << L::Bits::splat(2);
+        let axis = L::Bits::splat(EXIT_AXIS) >> ((pattern ^ mask) << one) & L::Bits::splat(3);
+        // Axis numbers are 0, 1, 2: exact as numbers, so that lanes need no integer comparison.
+        let number = L::from_integers(axis);
+        Exit::new(line, planes, [0.0, 1.0, 2.0].map(|k| number.equal(L::splat(k))), L::splat(0.0))
+    }
+
+    #[inline(always)]
+    fn upper_halves<L: Lanes>(line: &Line<L>, cell: &Cell<L>, exit: &Exit<L>) -> L::Bits {
+        let planes = cell.exit_planes(line);
+        let middle = cell.centre();
+        let centre = core::array::from_fn(|k| planes[k].or_else(exit.axis[k], middle[k]));
+        let negative = Self::products(line, centre).map(|(a, b)| L::indicator(a.less(b)));
+        let one = L::Bits::splat(1);
+        let positive = exit.face & one;
+        // tables::sub_face, with bits where it has u and v: axis + 1 reads component axis + 2 and the other way round.
+        (0..3).fold(L::Bits::splat(0), |bits, a| {
+            let (next, after) = ((a + 1) % 3, (a + 2) % 3);
+            let high_next = (negative[after] ^ positive) << L::Bits::splat(next as u32);
+            let high_after = (negative[next] ^ positive ^ one) << L::Bits::splat(after as u32);
+            let on_axis = L::indicator(exit.axis[a]).spread();
+            bits | (high_next | high_after) & on_axis
+        })
+    }
+}
+
+/// Across the exit face: the neighbour's record number and cell. Means nothing where the face has no neighbour.
+#[inline(always)]
+pub fn cross<L: Lanes, S: Step>(
+    line: &Line<L>,
+    cell: &Cell<L>,
+    exit: &Exit<L>,
+    head: L::Bits,
+    neighbour: L::Bits,
+) -> (L::Bits, Cell<L>) {
+    let one = L::Bits::splat(1);
+    let kind = link_kind::<L>(head, exit.face);
+    // Kinds are 0 to 3: 2 is binary 10, 3 is 11.
+    let (low, high) = (kind & one, kind >> one);
+    let is_finer = low & high;
+    let is_coarser = high & (low ^ one);
+    debug_assert!(LINK_COARSER == 2 && LINK_FINER == 3);
+    let size = cell.size << is_coarser >> is_finer;
+
+    // Up by the old cell's edge, or down by the new one's; lateral axes fall to the new cell's grid.
+    let upward = (exit.face & one).spread();
+    let along = (cell.size & upward) | L::Bits::splat(0).minus(size) & !upward;
+    let aligned = !size.minus(one);
+    let mut corner =
+        core::array::from_fn(|k| cell.corner[k].plus(along & L::indicator(exit.axis[k]).spread()) & aligned);
+    let mut record = neighbour;
+    if is_finer.any() {
+        // The child that the ray enters: by the side that faces the ray, in the quadrant of the exit point.
+        let exit_bit = one << (exit.face >> one);
+        let quadrant = S::upper_halves(line, cell, exit) & !exit_bit & is_finer.spread();
+        record = record.plus(quadrant | line.neg & exit_bit & is_finer.spread());
+        corner = core::array::from_fn(|k| {
+            let is_upper = quadrant >> L::Bits::splat(k as u32) & one;
+            corner[k].plus(size & is_upper.spread())
+        });
+    }
+    (record, Cell { corner, size })
+}
+
+/// The link kind of a face, from word 0 of a record.
+pub fn link_kind<L: Lanes>(head: L::Bits, face: L::Bits) -> L::Bits {
+    head >> L::Bits::splat(LINK_SHIFT).plus(face << L::Bits::splat(1)) & L::Bits::splat(3)
+}
+
+/// The neighbour word of a face, for one lane.
+pub fn neighbour(record: &Record, face: u32) -> u32 {
+    // Face numbers are 0 to 5 by construction; the mask lets the compiler see that the index is in range.
+    record.neighbours[(face as usize).min(5)]
+}

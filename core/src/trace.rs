@@ -1,0 +1,287 @@
+//! The scalar tracer: one ray, from leaf to leaf.
+
+use crate::lanes::Lanes;
+use crate::layout::{
+    BLOCK_WIDTH, BOX_MARGIN, Block, Key, LATTICE, LINK_NONE, PADDING, PAYLOAD_BLOCKS, Payload,
+    START_MARGIN,
+};
+use crate::octree::{Octree, Parts};
+use crate::policy::{Policy, Standard};
+use crate::ray::{CanonicalRay, Hit, Ray};
+use crate::step::{Cell, Line, Slab, Step, cross, link_kind, neighbour};
+use crate::triangle::{Shear, Sheared};
+
+/// What a walk did, for charts and heat maps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Leaves visited, empty ones included.
+    pub cells: u32,
+    /// Block boxes that the ray met, whose eight triangles were then tested.
+    pub blocks: u32,
+}
+
+impl<W: AsRef<[u32]>> Octree<W> {
+    /// The closest hit with `t_min < t < t_max`: smallest distance, then smallest primitive. `None` for a miss or an
+    /// invalid ray.
+    pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        Walk::new(&self.parts()).closest_hit(ray)
+    }
+
+    /// Whether anything is hit with `t_min < t < t_max`.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        Walk::new(&self.parts()).occluded(ray)
+    }
+}
+
+/// The scalar walk over the sections of an octree, by a kind of step and under a policy.
+#[derive(Clone, Copy, Debug)]
+pub struct Walk<'a, S = Slab, P = Standard> {
+    parts: &'a Parts<'a>,
+    kind: core::marker::PhantomData<(S, P)>,
+}
+
+/// The best hit so far, or the ray's own limit.
+struct Best<'a> {
+    ray: &'a CanonicalRay,
+    t: f32,
+    hit: Hit,
+    work: Work,
+}
+
+impl<'a> Walk<'a> {
+    /// The walk that serves: by slabs, under the contract.
+    pub fn new(parts: &'a Parts<'a>) -> Self {
+        Self::with(parts)
+    }
+}
+
+impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
+    /// Any kind of step and any policy.
+    #[doc(hidden)]
+    pub fn with(parts: &'a Parts<'a>) -> Self {
+        Self { parts, kind: core::marker::PhantomData }
+    }
+
+    /// See [`Octree::closest_hit`].
+    pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        self.closest_hit_with_work(ray).0
+    }
+
+    /// The closest hit, and what it took.
+    pub fn closest_hit_with_work(&self, ray: &Ray) -> (Option<Hit>, Work) {
+        let Some(canonical) = self.parts.frame.canonical_with::<P>(ray) else { return Default::default() };
+        let best = self.walk::<false>(&canonical, &mut |_, _| {});
+        let hit = Hit { t: canonical.reported(best.t), ..best.hit };
+        ((!hit.is_miss()).then_some(hit), best.work)
+    }
+
+    /// See [`Octree::occluded`].
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        let canonical = self.parts.frame.canonical_with::<P>(ray);
+        canonical.is_some_and(|canonical| !self.walk::<true>(&canonical, &mut |_, _| {}).hit.is_miss())
+    }
+
+    /// The cells that a closest-hit walk visits, in order.
+    pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(u32, Key)) {
+        if let Some(canonical) = self.parts.frame.canonical_with::<P>(ray) {
+            self.walk::<false>(&canonical, &mut |record, cell: &Cell<f32>| {
+                visitor(record, Key { corner: cell.corner, level: LATTICE.ilog2() - cell.size.ilog2() });
+            });
+        }
+    }
+
+    fn walk<'r, const ANY: bool>(
+        &self,
+        ray: &'r CanonicalRay,
+        visitor: &mut impl FnMut(u32, &Cell<f32>),
+    ) -> Best<'r> {
+        let mut best = Best { ray, t: ray.t_max, hit: Hit::MISS, work: Work::default() };
+        let line = Line::<f32>::new(ray);
+        let Some(start) = start::<P>(&line, ray) else { return best };
+        let (shear, axes) = Shear::<f32>::new(ray);
+        let (mut number, mut cell) = self.locate(start, &line);
+        loop {
+            visitor(number, &cell);
+            best.work.cells += 1;
+            let record = &self.parts.records[number as usize];
+            let head = record.head();
+            if head.t_count() != 0 {
+                self.leaf::<ANY>(record.offset, &cell, &line, &shear, axes, &mut best);
+                if (ANY || P::STOPS_AT_FIRST_HIT) && !best.hit.is_miss() {
+                    return best;
+                }
+            }
+            let exit = S::exit(&line, &cell);
+            let margin = if P::STOP_MARGIN { PADDING * LATTICE as f32 } else { 0.0 };
+            let is_done = best.t * exit.speed < exit.distance - margin;
+            if is_done || link_kind::<f32>(head.0, exit.face) == LINK_NONE {
+                return best;
+            }
+            let left = cell;
+            (number, cell) = cross::<f32, S>(&line, &cell, &exit, head.0, neighbour(record, exit.face));
+            debug_assert!(morton(&left, line.neg) < morton(&cell, line.neg), "a step must move forward: {ray:?}");
+        }
+    }
+
+    /// The leaf that holds a point of the root (in lattice steps), on the ray's side where the point lies on a face.
+    fn locate(&self, point: [f32; 3], line: &Line<f32>) -> (u32, Cell<f32>) {
+        let corner: [u32; 3] = core::array::from_fn(|k| {
+            let whole = (point[k] as u32).min(LATTICE - 1);
+            let backs_off = line.neg >> k & 1 == 1 && whole as f32 == point[k] && whole > 0;
+            whole - u32::from(backs_off)
+        });
+        let bits = self.parts.header.grid_bits;
+        let shift = LATTICE.ilog2() - bits;
+        let entry = (0..3).fold(0, |entry, k| entry | (corner[k] >> shift) << (k as u32 * bits));
+        let mut number = self.parts.grid[entry as usize];
+        loop {
+            let record = &self.parts.records[number as usize];
+            let size = LATTICE >> record.head().level();
+            if !record.head().is_inner() {
+                return (number, Cell { corner: corner.map(|c| c & !(size - 1)), size });
+            }
+            let half = size >> 1;
+            number = record.offset + (0..3).fold(0, |octant, k| octant | u32::from(corner[k] & half != 0) << k);
+        }
+    }
+
+    /// Tests what a leaf lists: its tight box, then the blocks whose boxes the ray meets.
+    #[inline(always)]
+    fn leaf<const ANY: bool>(
+        &self,
+        first: u32,
+        cell: &Cell<f32>,
+        line: &Line<f32>,
+        shear: &Shear<f32>,
+        axes: [usize; 3],
+        best: &mut Best<'_>,
+    ) {
+        let boxes = Boxes::new(cell, line);
+        let mut payload = &self.parts.payloads[first as usize];
+        if !boxes.is_met(payload.lower, payload.upper, best) {
+            return;
+        }
+        loop {
+            let met = boxes.blocks_met(payload, best);
+            for b in (0..u32::from(payload.count)).filter(|b| met >> b & 1 == 1) {
+                best.work.blocks += 1;
+                let block = &self.parts.blocks[(payload.first_block + b) as usize];
+                best.test_block::<ANY, P>(block, shear, axes);
+            }
+            match self.parts.payloads.get(payload.next as usize) {
+                Some(next) => payload = next,
+                None => return,
+            }
+        }
+    }
+}
+
+/// Where a walk starts, in lattice steps: clamped to the root, a little before `t_min`. `None`: the ray passes the root
+/// by, or ends first.
+fn start<P: Policy>(line: &Line<f32>, ray: &CanonicalRay) -> Option<[f32; 3]> {
+    let edge = LATTICE as f32;
+    let margin = if P::DILATES_ROOT { PADDING * edge } else { 0.0 };
+    let (mut first, mut last) = (ray.t_min - START_MARGIN, ray.t_max);
+    for k in 0..3 {
+        let a = (-margin - line.origin[k]) * line.inverse[k];
+        let b = (edge + margin - line.origin[k]) * line.inverse[k];
+        first = Lanes::max(first, Lanes::min(a, b));
+        last = Lanes::min(last, Lanes::max(a, b));
+    }
+    let point = core::array::from_fn(|k| (line.origin[k] + first * line.direction[k]).clamp(0.0, edge));
+    (first <= last && ray.t_min < ray.t_max).then_some(point)
+}
+
+/// The Morton key of a cell's corner, mirrored so that it grows along the ray.
+fn morton(cell: &Cell<f32>, neg: u32) -> u64 {
+    // The corner that the ray reaches last orders cells of different sizes.
+    (0..MORTON_BITS).fold(0, |key, bit| {
+        let k = bit % 3;
+        let far = cell.corner[k] + cell.size - 1;
+        let coordinate = if neg >> k & 1 == 1 { LATTICE - 1 - cell.corner[k] } else { far };
+        key | u64::from(coordinate >> (bit / 3) & 1) << (bit / 3 * 3 + 2 - k)
+    })
+}
+const MORTON_BITS: usize = 3 * LATTICE.ilog2() as usize;
+
+/// Slab tests against boxes quantised to a cell, dilated by the box margin: they may err only by keeping too much.
+struct Boxes {
+    /// t' at slice 0's lower and slice 255's upper end is `from + slice * per_slice`.
+    lower: [f32; 3],
+    upper: [f32; 3],
+    per_slice: [f32; 3],
+}
+
+impl Boxes {
+    #[inline(always)]
+    fn new(cell: &Cell<f32>, line: &Line<f32>) -> Self {
+        const MARGIN: f32 = BOX_MARGIN * LATTICE as f32;
+        let slice = cell.size as f32 * (1.0 / 256.0);
+        let from_origin: [f32; 3] = core::array::from_fn(|k| cell.corner[k] as f32 - line.origin[k]);
+        Self {
+            lower: core::array::from_fn(|k| (from_origin[k] - MARGIN) * line.inverse[k]),
+            upper: core::array::from_fn(|k| (from_origin[k] + (slice + MARGIN)) * line.inverse[k]),
+            per_slice: line.inverse.map(|inverse| slice * inverse),
+        }
+    }
+
+    #[inline(always)]
+    fn is_met(&self, lower: [u8; 3], upper: [u8; 3], best: &Best<'_>) -> bool {
+        let (mut first, mut last) = (best.ray.t_min, best.t);
+        for k in 0..3 {
+            let a = self.lower[k] + f32::from(lower[k]) * self.per_slice[k];
+            let b = self.upper[k] + f32::from(upper[k]) * self.per_slice[k];
+            first = Lanes::max(first, Lanes::min(a, b));
+            last = Lanes::min(last, Lanes::max(a, b));
+        }
+        first <= last
+    }
+
+    /// Bit b: block b's box is met. All eight at once, in loops that compilers turn into SIMD.
+    #[inline(always)]
+    fn blocks_met(&self, payload: &Payload, best: &Best<'_>) -> u32 {
+        let mut first = [best.ray.t_min; PAYLOAD_BLOCKS];
+        let mut last = [best.t; PAYLOAD_BLOCKS];
+        for k in 0..3 {
+            for b in 0..PAYLOAD_BLOCKS {
+                let near = self.lower[k] + f32::from(payload.block_lower[k][b]) * self.per_slice[k];
+                let far = self.upper[k] + f32::from(payload.block_upper[k][b]) * self.per_slice[k];
+                first[b] = Lanes::max(first[b], Lanes::min(near, far));
+                last[b] = Lanes::min(last[b], Lanes::max(near, far));
+            }
+        }
+        (0..PAYLOAD_BLOCKS).fold(0, |met, b| met | u32::from(first[b] <= last[b]) << b)
+    }
+}
+
+impl Best<'_> {
+    #[inline(always)]
+    fn test_block<const ANY: bool, P: Policy>(&mut self, block: &Block, shear: &Shear<f32>, axes: [usize; 3]) {
+        // Few blocks hold a candidate, so all lanes are sifted before any is finished: a loop without branches.
+        let mut is_candidate = [false; BLOCK_WIDTH];
+        let corners = |lane: usize| core::array::from_fn(|corner| axes.map(|axis| block.vertices[corner][axis][lane]));
+        for (lane, is_candidate) in is_candidate.iter_mut().enumerate() {
+            *is_candidate = Sheared::new(shear, corners(lane)).is_candidate();
+        }
+        for (lane, is_candidate) in is_candidate.into_iter().enumerate() {
+            if is_candidate {
+                let (accepted, found) = Sheared::new(shear, corners(lane)).finish(shear);
+                if accepted && self.is_better::<P>(found.t, block.primitives[lane]) {
+                    self.t = found.t;
+                    self.hit = Hit { t: 0.0, u: found.u, v: found.v, primitive: block.primitives[lane] };
+                }
+            }
+        }
+    }
+
+    /// Smaller t', then smaller primitive. A miss has the largest primitive of all, but t' must stay below `t_max`.
+    fn is_better<P: Policy>(&self, t: f32, primitive: u32) -> bool {
+        if P::ORDERS_BY_REPORTED {
+            let (new, old) = (self.ray.reported(t), self.ray.reported(self.t));
+            return t > self.ray.t_min
+                && t < self.ray.t_max
+                && (self.hit.is_miss() || new < old || (new == old && primitive < self.hit.primitive));
+        }
+        t > self.ray.t_min && (t < self.t || (t == self.t && primitive < self.hit.primitive && !self.hit.is_miss()))
+    }
+}

@@ -1,0 +1,77 @@
+//! `Tracer`: a batch of rays in, a batch of answers out. Every backend is one.
+
+use core::fmt;
+
+use crate::octree::Octree;
+use crate::ray::{Hit, Ray};
+use crate::trace::Walk;
+
+/// Answers batches of rays. All tracers over the same octree give the same bits.
+pub trait Tracer {
+    /// What can go wrong.
+    type Error: core::error::Error;
+
+    /// The closest hit of each ray, [`Hit::MISS`] where there is none.
+    ///
+    /// # Errors
+    /// At least when the slices differ in length.
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), Self::Error>;
+
+    /// Whether anything is hit by each ray.
+    ///
+    /// # Errors
+    /// At least when the slices differ in length.
+    fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), Self::Error>;
+}
+
+/// As many answers as rays are needed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LengthMismatch {
+    /// Length of the slice of rays.
+    pub rays: usize,
+    /// Length of the slice for the answers.
+    pub answers: usize,
+}
+
+impl LengthMismatch {
+    /// An error unless the lengths are equal.
+    ///
+    /// # Errors
+    /// The two lengths.
+    pub fn check(rays: usize, answers: usize) -> Result<(), Self> {
+        if rays == answers { Ok(()) } else { Err(Self { rays, answers }) }
+    }
+}
+
+impl fmt::Display for LengthMismatch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} rays but room for {} answers: make the slices equally long", self.rays, self.answers)
+    }
+}
+
+impl core::error::Error for LengthMismatch {}
+
+/// The scalar tracer, on the calling thread.
+impl<W: AsRef<[u32]>> Tracer for Octree<W> {
+    type Error = LengthMismatch;
+
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
+        LengthMismatch::check(rays.len(), hits.len())?;
+        let parts = self.parts();
+        let walk = Walk::new(&parts);
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = walk.closest_hit(ray).unwrap_or(Hit::MISS);
+        }
+        Ok(())
+    }
+
+    fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
+        LengthMismatch::check(rays.len(), occluded.len())?;
+        let parts = self.parts();
+        let walk = Walk::new(&parts);
+        for (ray, occluded) in rays.iter().zip(occluded) {
+            *occluded = walk.occluded(ray);
+        }
+        Ok(())
+    }
+}

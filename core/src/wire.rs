@@ -1,0 +1,233 @@
+//! The file: header words, section table, checksum.
+//!
+//! Words 0 to 4 are magic, version, total words, CRC-32 (taken with this word zero) and the number of sections; then
+//! follows a (tag, offset, words) triple a section, in the order of the file. Sections do not overlap; those with unknown
+//! tags are skipped.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::frame::Frame;
+use crate::layout::{MAGIC, SECTION_ALIGN, VERSION};
+
+pub use crate::error::DecodeError;
+
+/// Words before the section table.
+pub const PREAMBLE_WORDS: usize = 5;
+/// Words a row of the section table.
+pub const TABLE_ROW: usize = 3;
+const CHECKSUM_WORD: usize = 3;
+
+/// The sections that this version knows, in file order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Section {
+    /// [`Header`].
+    Header,
+    /// [`crate::layout::Record`]s, the root first, then blocks of eight siblings in depth-first order.
+    Records,
+    /// One [`crate::layout::Key`] a record.
+    Keys,
+    /// [`crate::layout::Payload`]s.
+    Payloads,
+    /// [`crate::layout::Block`]s.
+    Blocks,
+    /// The entry grid: one record number a grid cell, x fastest.
+    Grid,
+    /// One material id a triangle; may be empty.
+    Materials,
+}
+
+impl Section {
+    /// All of them, in file order.
+    pub const ALL: [Self; 7] =
+        [Self::Header, Self::Records, Self::Keys, Self::Payloads, Self::Blocks, Self::Grid, Self::Materials];
+
+    /// The tag that names it in the file: four ASCII characters.
+    pub const fn tag(self) -> u32 {
+        u32::from_le_bytes(match self {
+            Self::Header => *b"head",
+            Self::Records => *b"recs",
+            Self::Keys => *b"keys",
+            Self::Payloads => *b"payl",
+            Self::Blocks => *b"blks",
+            Self::Grid => *b"grid",
+            Self::Materials => *b"mats",
+        })
+    }
+
+    /// Its name in messages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Header => "header",
+            Self::Records => "records",
+            Self::Keys => "keys",
+            Self::Payloads => "payloads",
+            Self::Blocks => "blocks",
+            Self::Grid => "entry grid",
+            Self::Materials => "materials",
+        }
+    }
+}
+
+/// The header section: counts, frame, padding and settings.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Header {
+    /// Triangles of the mesh, those dropped included.
+    pub primitives: u32,
+    /// Triangles left out because two of their vertices are equal after rounding.
+    pub dropped: u32,
+    /// Of those, how many had three different vertices in the mesh.
+    pub collapsed: u32,
+    /// Triangles listed in leaves, counted once a leaf.
+    pub references: u32,
+    /// The entry grid has 2^this cells an axis.
+    pub grid_bits: u32,
+    /// See [`Frame`].
+    pub scale_exponent: i32,
+    /// The padding that the triangles were binned with, in lattice units.
+    pub padding: f32,
+    /// The largest move of a vertex coordinate by rounding, in lattice units.
+    pub rounding: f32,
+    /// Setting: cost of a step over the cost of a triangle.
+    pub step_cost: f32,
+    /// Setting: deepest level allowed.
+    pub max_level: u32,
+    /// The frame's origin: three f64, low words first.
+    pub origin: [u32; 6],
+}
+
+impl Header {
+    /// The lattice frame.
+    pub fn frame(&self) -> Frame {
+        let word = |k: usize| u64::from(self.origin[2 * k]) | u64::from(self.origin[2 * k + 1]) << 32;
+        Frame { origin: core::array::from_fn(|k| f64::from_bits(word(k))), scale_exponent: self.scale_exponent }
+    }
+
+    /// The words that [`Header::frame`] reads its origin from.
+    pub fn origin_words(frame: &Frame) -> [u32; 6] {
+        core::array::from_fn(|i| (frame.origin[i / 2].to_bits() >> (32 * (i % 2))) as u32)
+    }
+}
+
+/// Where each known section lies: offset and length in words, (0, 0) for one that is absent.
+pub type Spans = [(u32, u32); Section::ALL.len()];
+
+/// Writes preamble and section table for sections of these lengths in words, and returns the spans and the words in all.
+///
+/// `None`: the file would have more than 2^32 - 1 words.
+pub fn plan(lengths: [usize; Section::ALL.len()]) -> Option<(Spans, u32)> {
+    let mut end = PREAMBLE_WORDS + TABLE_ROW * Section::ALL.len();
+    let mut spans = Spans::default();
+    for (span, length) in spans.iter_mut().zip(lengths) {
+        let start = end.next_multiple_of(SECTION_ALIGN);
+        *span = (u32::try_from(start).ok()?, u32::try_from(length).ok()?);
+        end = start.checked_add(length)?;
+    }
+    Some((spans, u32::try_from(end.next_multiple_of(SECTION_ALIGN)).ok()?))
+}
+
+/// Fills in preamble, section table and checksum of words whose sections stand where [`plan`] put them.
+///
+/// # Panics
+/// When there are fewer words than the table needs.
+pub fn seal(words: &mut [u32], spans: &Spans) {
+    let preamble = [MAGIC, VERSION, words.len() as u32, 0, Section::ALL.len() as u32];
+    words[..PREAMBLE_WORDS].copy_from_slice(&preamble);
+    let rows = words[PREAMBLE_WORDS..].chunks_exact_mut(TABLE_ROW);
+    for ((row, section), span) in rows.zip(Section::ALL).zip(spans) {
+        row.copy_from_slice(&[section.tag(), span.0, span.1]);
+    }
+    words[CHECKSUM_WORD] = checksum(words);
+}
+
+/// Checks preamble, checksum and section table, and returns the spans.
+pub(crate) fn open(words: &[u32]) -> Result<Spans, DecodeError> {
+    let preamble = words.get(..PREAMBLE_WORDS);
+    let preamble = preamble.ok_or(DecodeError::Truncated { words: words.len(), needed: PREAMBLE_WORDS })?;
+    let &[magic, version, total, stored, sections] = preamble else { unreachable!("five words") };
+    match magic {
+        MAGIC => {}
+        _ if magic == MAGIC.swap_bytes() => return Err(DecodeError::OtherEndianness),
+        _ => return Err(DecodeError::BadMagic { found: magic }),
+    }
+    if version != VERSION {
+        return Err(DecodeError::Version { found: version });
+    }
+    if total as usize != words.len() {
+        return Err(DecodeError::Truncated { words: words.len(), needed: total as usize });
+    }
+    let computed = checksum(words);
+    if stored != computed {
+        return Err(DecodeError::Checksum { stored, computed });
+    }
+    let table_end = (sections as usize).checked_mul(TABLE_ROW).and_then(|n| n.checked_add(PREAMBLE_WORDS));
+    let table = table_end.and_then(|end| words.get(PREAMBLE_WORDS..end));
+    let table = table.ok_or(DecodeError::SectionTable { sections })?;
+    let mut spans = Spans::default();
+    let mut free_from = PREAMBLE_WORDS + table.len();
+    for row in table.chunks_exact(TABLE_ROW) {
+        let &[tag, offset, length] = row else { unreachable!("rows of three words") };
+        let end = offset.checked_add(length).filter(|end| *end <= total && offset as usize >= free_from);
+        let Some(end) = end else { return Err(DecodeError::SectionRange { tag, offset, length }) };
+        free_from = end as usize;
+        if let Some(i) = Section::ALL.iter().position(|section| section.tag() == tag) {
+            if spans[i] != (0, 0) {
+                return Err(DecodeError::SectionTwice { section: Section::ALL[i] });
+            }
+            spans[i] = (offset, length);
+        }
+    }
+    Ok(spans)
+}
+
+/// The CRC-32 stored in word 3, for messages.
+pub fn stored_checksum(words: &[u32]) -> Option<u32> {
+    words.get(CHECKSUM_WORD).copied()
+}
+
+/// CRC-32 (IEEE 802.3) of the words as little-endian bytes, with the checksum word itself taken as zero.
+pub fn checksum(words: &[u32]) -> u32 {
+    let crc = words.iter().enumerate().fold(u32::MAX, |crc, (at, word)| {
+        let x = crc ^ if at == CHECKSUM_WORD { 0 } else { *word };
+        let byte = |k: u32| (x >> (8 * k) & 0xff) as usize;
+        CRC[3][byte(0)] ^ CRC[2][byte(1)] ^ CRC[1][byte(2)] ^ CRC[0][byte(3)]
+    });
+    !crc
+}
+
+/// Row n: the CRC of a byte followed by n zero bytes, so that a word takes four look-ups at once.
+const CRC: [[u32; 256]; 4] = {
+    const REFLECTED_POLYNOMIAL: u32 = 0xedb8_8320;
+    let mut table = [[0; 256]; 4];
+    let mut i = 0;
+    while i < 256 {
+        let (mut crc, mut bit) = (i as u32, 0);
+        while bit < 8 {
+            crc = crc >> 1 ^ if crc & 1 == 1 { REFLECTED_POLYNOMIAL } else { 0 };
+            bit += 1;
+        }
+        table[0][i] = crc;
+        i += 1;
+    }
+    let mut at = 256;
+    while at < 4 * 256 {
+        let (row, i) = (at / 256, at % 256);
+        let previous = table[row - 1][i];
+        table[row][i] = previous >> 8 ^ table[0][(previous & 0xff) as usize];
+        at += 1;
+    }
+    table
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_checksum_is_the_ieee_one() {
+        // The check value of CRC-32/ISO-HDLC is that of "123456789"; of "12345678" it is 0x9ae0daaf.
+        let words = [u32::from_le_bytes(*b"1234"), u32::from_le_bytes(*b"5678")];
+        assert_eq!(checksum(&words), 0x9ae0_daaf);
+    }
+}

@@ -1,0 +1,83 @@
+//! The oracle: every triangle against every ray, on the same canonical ray and with the same triangle test.
+
+use leafwalk_core::layout::NONE;
+use leafwalk_core::triangle::{Shear, intersect};
+use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Ray, Tracer};
+
+use crate::build::{BuildError, normalise};
+use crate::mesh::Mesh;
+
+/// Tests all triangles of a mesh; what an octree of the same mesh must agree with bit for bit.
+#[derive(Clone, Debug)]
+pub struct BruteForce {
+    frame: Frame,
+    triangles: Vec<(u32, [[f32; 3]; 3])>,
+}
+
+impl BruteForce {
+    /// Normalises the mesh as the builder does.
+    ///
+    /// # Errors
+    /// For the meshes that the builder refuses.
+    pub fn new(mesh: &Mesh) -> Result<Self, BuildError> {
+        let normalised = normalise(mesh)?;
+        Ok(Self { frame: normalised.frame, triangles: normalised.triangles })
+    }
+
+    /// The frame that rays are brought into.
+    pub fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    /// Primitive and corners, in lattice units, of every triangle that can be hit.
+    pub fn triangles(&self) -> &[(u32, [[f32; 3]; 3])] {
+        &self.triangles
+    }
+
+    /// The closest hit of one ray.
+    pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        let canonical = self.frame.canonical(ray)?;
+        let (t, hit) = self.closest(&canonical)?;
+        Some(Hit { t: canonical.reported(t), ..hit })
+    }
+
+    /// The closest hit of a canonical ray with its canonical distance; the hit's own t is not set.
+    fn closest(&self, ray: &CanonicalRay) -> Option<(f32, Hit)> {
+        let mut best = (ray.t_max, Hit::MISS);
+        for (primitive, t, u, v) in self.hits(ray) {
+            if t < best.0 || (t == best.0 && primitive < best.1.primitive && best.1.primitive != NONE) {
+                best = (t, Hit { t: 0.0, u, v, primitive });
+            }
+        }
+        (!best.1.is_miss()).then_some(best)
+    }
+
+    /// All hits beyond `t_min`, as (primitive, t', u, v).
+    fn hits<'a>(&'a self, ray: &'a CanonicalRay) -> impl Iterator<Item = (u32, f32, f32, f32)> + 'a {
+        let (shear, axes) = Shear::<f32>::new(ray);
+        self.triangles.iter().filter_map(move |(primitive, corners)| {
+            let (accepted, found) = intersect(&shear, corners.map(|corner| axes.map(|axis| corner[axis])));
+            (accepted && found.t > ray.t_min).then_some((*primitive, found.t, found.u, found.v))
+        })
+    }
+}
+
+impl Tracer for BruteForce {
+    type Error = LengthMismatch;
+
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
+        LengthMismatch::check(rays.len(), hits.len())?;
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.closest_hit(ray).unwrap_or(Hit::MISS);
+        }
+        Ok(())
+    }
+
+    fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
+        LengthMismatch::check(rays.len(), occluded.len())?;
+        for (ray, occluded) in rays.iter().zip(occluded) {
+            *occluded = self.closest_hit(ray).is_some();
+        }
+        Ok(())
+    }
+}

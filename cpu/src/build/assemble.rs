@@ -1,0 +1,130 @@
+//! The sections as one run of words.
+
+use leafwalk_core::Octree;
+use leafwalk_core::layout::{BLOCK_WORDS, Block, KEY_WORDS, PADDING, PAYLOAD_WORDS, Payload, RECORD_WORDS};
+use leafwalk_core::wire::{self, Header, Section};
+use rayon::prelude::*;
+
+use super::leaf::{self, block_count, payload_count};
+use super::link::{Linked, link};
+use super::monitor::Monitor;
+use super::normalise::Normalised;
+use super::tree::Tree;
+use super::{BuildError, Settings};
+use crate::mesh::Mesh;
+
+/// Leaves a task fills.
+const LEAVES_A_TASK: usize = 256;
+
+/// Writes the tree and the triangles that its leaves list.
+pub(crate) fn assemble(
+    mesh: &Mesh,
+    normalised: &Normalised,
+    tree: &Tree,
+    settings: &Settings,
+    monitor: &Monitor<'_>,
+) -> Result<Octree<Vec<u32>>, BuildError> {
+    let linked = link(tree);
+    let references = |leaf: &u32| tree.references(&tree.nodes[*leaf as usize]).len();
+    let payloads: usize = linked.leaves.iter().map(|leaf| payload_count(references(leaf))).sum();
+    let blocks: usize = linked.leaves.iter().map(|leaf| block_count(references(leaf))).sum();
+    let header = Header {
+        primitives: mesh.triangles.len() as u32,
+        dropped: normalised.dropped,
+        collapsed: normalised.collapsed,
+        references: tree.live as u32,
+        grid_bits: linked.grid_bits,
+        scale_exponent: normalised.frame.scale_exponent,
+        padding: PADDING,
+        rounding: normalised.rounding,
+        step_cost: settings.step_cost,
+        max_level: settings.max_level,
+        origin: Header::origin_words(&normalised.frame),
+    };
+    let lengths = Section::ALL.map(|section| match section {
+        Section::Header => size_of::<Header>() / size_of::<u32>(),
+        Section::Records => linked.records.len() * RECORD_WORDS,
+        Section::Keys => linked.keys.len() * KEY_WORDS,
+        Section::Payloads => payloads * PAYLOAD_WORDS,
+        Section::Blocks => blocks * BLOCK_WORDS,
+        Section::Grid => linked.grid.len(),
+        Section::Materials => mesh.material_ids.len(),
+        _ => 0,
+    });
+    let words: u64 = lengths.iter().map(|length| *length as u64).sum();
+    let (spans, total) = wire::plan(lengths).ok_or(BuildError::TooLarge {
+        what: "words of octree",
+        count: words,
+        limit: u64::from(u32::MAX),
+    })?;
+    let mut words = Vec::new();
+    let needed = u64::from(total) * size_of::<u32>() as u64;
+    settings.check_memory(needed)?;
+    let out_of_memory = BuildError::OutOfMemory { needed, limit: settings.memory_limit };
+    words.try_reserve_exact(total as usize).map_err(|_| out_of_memory)?;
+    words.resize(total as usize, 0u32);
+
+    let mut rest = &mut words[..];
+    let mut taken = 0;
+    let mut section = |section: Section| {
+        let (offset, length) = spans[section as usize];
+        let (_, tail) = core::mem::take(&mut rest).split_at_mut(offset as usize - taken);
+        let (own, tail) = tail.split_at_mut(length as usize);
+        rest = tail;
+        taken = (offset + length) as usize;
+        own
+    };
+    section(Section::Header).copy_from_slice(bytemuck::cast_slice(&[header]));
+    section(Section::Records).copy_from_slice(bytemuck::cast_slice(&linked.records));
+    section(Section::Keys).copy_from_slice(bytemuck::cast_slice(&linked.keys));
+    let payloads = bytemuck::cast_slice_mut(section(Section::Payloads));
+    let blocks = bytemuck::cast_slice_mut(section(Section::Blocks));
+    fill_leaves(normalised, tree, &linked, settings.padding, payloads, blocks, monitor)?;
+    section(Section::Grid).copy_from_slice(&linked.grid);
+    section(Section::Materials).copy_from_slice(&mesh.material_ids);
+    wire::seal(&mut words, &spans);
+    Ok(Octree::from_words(words).unwrap_or_else(|error| unreachable!("a build gives valid words: {error}")))
+}
+
+/// Fills payloads and blocks, leaf after leaf, tasks in parallel.
+fn fill_leaves(
+    normalised: &Normalised,
+    tree: &Tree,
+    linked: &Linked,
+    padding: f32,
+    payloads: &mut [Payload],
+    blocks: &mut [Block],
+    monitor: &Monitor<'_>,
+) -> Result<(), BuildError> {
+    let (mut payloads, mut blocks) = (payloads, blocks);
+    let (mut payload, mut block) = (0u32, 0u32);
+    let mut tasks = Vec::new();
+    for leaves in linked.leaves.chunks(LEAVES_A_TASK) {
+        let references = leaves.iter().map(|leaf| tree.references(&tree.nodes[*leaf as usize]).len());
+        let (count, width) = references.fold((0, 0), |(p, b), n| (p + payload_count(n), b + block_count(n)));
+        let (own_payloads, tail) = core::mem::take(&mut payloads).split_at_mut(count);
+        payloads = tail;
+        let (own_blocks, tail) = core::mem::take(&mut blocks).split_at_mut(width);
+        blocks = tail;
+        tasks.push((leaves, (payload, own_payloads), (block, own_blocks)));
+        (payload, block) = (payload + count as u32, block + width as u32);
+    }
+    monitor.check(0.0)?;
+    tasks.into_par_iter().try_for_each(|(leaves, (mut payload, mut payloads), (mut block, mut blocks))| {
+        monitor.check_cancelled()?;
+        for &leaf in leaves {
+            let node = &tree.nodes[leaf as usize];
+            let references = tree.references(node);
+            let (own_payloads, tail) = payloads.split_at_mut(payload_count(references.len()));
+            payloads = tail;
+            let (own_blocks, tail) = blocks.split_at_mut(block_count(references.len()));
+            blocks = tail;
+            let counts = (own_payloads.len() as u32, own_blocks.len() as u32);
+            let own = ((payload, own_payloads), (block, own_blocks));
+            leaf::fill(node.key, references, &normalised.triangles, padding, own.0, own.1);
+            (payload, block) = (payload + counts.0, block + counts.1);
+        }
+        Ok(())
+    })?;
+    monitor.check(1.0)
+}

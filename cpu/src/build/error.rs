@@ -1,0 +1,75 @@
+//! Why a mesh cannot be built.
+
+use core::fmt;
+
+/// What stopped a build.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// A vertex that a triangle uses is NaN or infinite.
+    NonFiniteVertex {
+        /// Index of the vertex.
+        vertex: u32,
+        /// Its position.
+        position: [f32; 3],
+    },
+    /// A triangle uses a vertex that the mesh does not have.
+    IndexOutOfRange {
+        /// The triangle.
+        triangle: usize,
+        /// The index it uses.
+        index: u32,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// Material ids are neither absent nor one a triangle.
+    MaterialCount {
+        /// Material ids present.
+        materials: usize,
+        /// Triangles.
+        triangles: usize,
+    },
+    /// More of something than the format can number.
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// How much.
+        count: u64,
+        /// How much is possible.
+        limit: u64,
+    },
+    /// The build would need more memory than it may use.
+    OutOfMemory {
+        /// Bytes it would need next, all together.
+        needed: u64,
+        /// The limit in force.
+        limit: u64,
+    },
+    /// The progress callback asked to stop.
+    Cancelled,
+}
+
+impl fmt::Display for BuildError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NonFiniteVertex { vertex, position: [x, y, z] } => {
+                write!(f, "vertex {vertex} is ({x}, {y}, {z}): repair it, or build leniently to leave its triangles out")
+            }
+            Self::IndexOutOfRange { triangle, index, vertices } => {
+                write!(f, "triangle {triangle} uses vertex {index}, but there are only {vertices} vertices")
+            }
+            Self::MaterialCount { materials, triangles } => {
+                write!(f, "{materials} material ids for {triangles} triangles: give one a triangle, or none")
+            }
+            Self::TooLarge { what, count, limit } => {
+                write!(f, "{count} {what}, at most {limit} are possible: split the mesh")
+            }
+            Self::OutOfMemory { needed, limit } => {
+                write!(f, "the build needs {needed} bytes, the limit is {limit}: raise it, or lower the reference budget")
+            }
+            Self::Cancelled => write!(f, "the build was cancelled"),
+        }
+    }
+}
+
+impl core::error::Error for BuildError {}

@@ -1,0 +1,151 @@
+//! Numbers and links: the tree as records, keys and entry grid.
+
+use leafwalk_core::layout::{
+    CHAINED, Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, NONE, PAYLOAD_BLOCKS, Record, RecordHead,
+};
+
+use super::leaf::{block_count, payload_count};
+use super::tree::{Node, Tree};
+
+/// Grid cells stay below leaves by about this factor, a power of eight at most.
+const MOST_GRID_BITS: u32 = 6;
+
+/// The tree in the order of the file.
+pub(crate) struct Linked {
+    /// The root, seven vacant records, then blocks of eight siblings, depth first.
+    pub(crate) records: Vec<Record>,
+    pub(crate) keys: Vec<[u32; 2]>,
+    /// Leaves that list something, in the order of their payloads, as indices of tree nodes.
+    pub(crate) leaves: Vec<u32>,
+    pub(crate) grid_bits: u32,
+    pub(crate) grid: Vec<u32>,
+}
+
+pub(crate) fn link(tree: &Tree) -> Linked {
+    let numbers = number(tree);
+    let count = tree.nodes.len() + 7;
+    let vacant = Record { head: 0, offset: 0, neighbours: [0; 6] };
+    let mut linked = Linked {
+        records: vec![vacant; count],
+        keys: vec![Key::ROOT.to_words(); count],
+        leaves: Vec::new(),
+        grid_bits: grid_bits(tree),
+        grid: Vec::new(),
+    };
+    let neighbours = neighbours(tree);
+    let mut in_order: Vec<u32> = (0..tree.nodes.len() as u32).collect();
+    in_order.sort_unstable_by_key(|&node| numbers[node as usize]);
+    let mut payloads = 0;
+    for at in in_order {
+        let node = &tree.nodes[at as usize];
+        let number = numbers[at as usize] as usize;
+        linked.keys[number] = node.key.to_words();
+        linked.records[number] = if node.is_leaf() {
+            let references = tree.references(node).len();
+            let record = leaf_record(tree, &numbers, node, &neighbours[at as usize], references, payloads);
+            if references > 0 {
+                linked.leaves.push(at);
+                payloads += payload_count(references) as u32;
+            }
+            record
+        } else {
+            let children = numbers[node.children as usize];
+            Record { head: RecordHead::inner(node.key.level).0, offset: children, neighbours: [0; 6] }
+        };
+    }
+    linked.grid = grid(&linked);
+    linked
+}
+
+/// Record numbers of the nodes: sibling blocks in depth-first order after the root's.
+fn number(tree: &Tree) -> Vec<u32> {
+    let mut numbers = vec![0; tree.nodes.len()];
+    let mut next_block = 8;
+    let mut pending = vec![0u32];
+    while let Some(at) = pending.pop() {
+        let node = &tree.nodes[at as usize];
+        if !node.is_leaf() {
+            for octant in 0..8 {
+                numbers[(node.children + octant) as usize] = next_block + octant;
+            }
+            next_block += 8;
+            pending.extend((0..8).rev().map(|octant| node.children + octant));
+        }
+    }
+    numbers
+}
+
+/// Per node and face, the node of the same size across it, or the leaf that holds that place, or [`NONE`].
+fn neighbours(tree: &Tree) -> Vec<[u32; 6]> {
+    let mut neighbours = vec![[NONE; 6]; tree.nodes.len()];
+    for (at, node) in tree.nodes.iter().enumerate().filter(|(_, node)| !node.is_leaf()) {
+        for (octant, face) in (0..48).map(|i| (i / 6, i % 6)) {
+            let (axis, positive) = (face >> 1, face & 1);
+            let mirrored = octant ^ 1 << axis;
+            let outside = neighbours[at][face as usize];
+            let neighbour = if octant >> axis & 1 != positive {
+                node.children + mirrored
+            } else if outside == NONE || tree.nodes[outside as usize].is_leaf() {
+                outside
+            } else {
+                tree.nodes[outside as usize].children + mirrored
+            };
+            neighbours[(node.children + octant) as usize][face as usize] = neighbour;
+        }
+    }
+    neighbours
+}
+
+fn leaf_record(
+    tree: &Tree,
+    numbers: &[u32],
+    leaf: &Node,
+    neighbours: &[u32; 6],
+    references: usize,
+    payload: u32,
+) -> Record {
+    let links = neighbours.map(|neighbour| {
+        let Some(node) = tree.nodes.get(neighbour as usize) else { return (LINK_NONE, 0) };
+        if !node.is_leaf() {
+            (LINK_FINER, numbers[node.children as usize])
+        } else if node.key.level == leaf.key.level {
+            (LINK_SAME, numbers[neighbour as usize])
+        } else {
+            (LINK_COARSER, numbers[neighbour as usize])
+        }
+    });
+    let blocks = block_count(references);
+    let t_count = if blocks > PAYLOAD_BLOCKS { CHAINED } else { blocks as u32 };
+    Record {
+        head: RecordHead::leaf(t_count, leaf.key.level, links.map(|(kind, _)| kind)).0,
+        offset: if references > 0 { payload } else { 0 },
+        neighbours: links.map(|(_, target)| target),
+    }
+}
+
+/// About as many grid cells as an eighth of the leaves, and none finer than the finest leaf.
+fn grid_bits(tree: &Tree) -> u32 {
+    let leaves = tree.nodes.iter().filter(|node| node.is_leaf()).count() as u32;
+    let deepest = tree.nodes.iter().map(|node| node.key.level).max().unwrap_or(0);
+    (leaves.ilog2() / 3).min(MOST_GRID_BITS).min(deepest)
+}
+
+fn grid(linked: &Linked) -> Vec<u32> {
+    let bits = linked.grid_bits;
+    let edge = LATTICE >> bits;
+    (0..1u32 << (3 * bits))
+        .map(|entry| {
+            let corner: [u32; 3] = core::array::from_fn(|k| (entry >> (k as u32 * bits) & ((1 << bits) - 1)) * edge);
+            let mut number = 0;
+            for level in 0..bits {
+                let record = &linked.records[number as usize];
+                if !record.head().is_inner() {
+                    break;
+                }
+                let bit = LATTICE >> (level + 1);
+                number = record.offset + (0..3).fold(0, |octant, k| octant | u32::from(corner[k] & bit != 0) << k);
+            }
+            number
+        })
+        .collect()
+}

@@ -1,0 +1,190 @@
+//! Mesh -> octree words: normalise, split and balance, link, fill leaves.
+
+mod assemble;
+mod clip;
+mod error;
+mod leaf;
+mod link;
+mod monitor;
+mod normalise;
+mod overlap;
+mod tree;
+
+use core::ops::ControlFlow;
+
+use leafwalk_core::Octree;
+use leafwalk_core::layout::{MAX_LEVEL, PADDING};
+
+pub use error::BuildError;
+pub(crate) use normalise::{NonFinite, Normalised, normalise, normalise_with};
+pub(crate) use leaf::quantised_bounds;
+pub(crate) use overlap::children_met;
+
+use crate::mesh::Mesh;
+use monitor::Monitor;
+use tree::Tree;
+
+/// Cost of a step over the cost of a triangle test. Measured on the dragon and the conference room (ARCHITECTURE.md,
+/// "Split rule").
+const STEP_COST: f32 = 48.0;
+/// References that a build may make for each triangle.
+const BUDGET: f32 = 8.0;
+/// References that even a mesh of one triangle may make.
+const LEAST_BUDGET: usize = 4096;
+/// Half of the machines that a build is meant for have more.
+const MEMORY_LIMIT: u64 = 16 << 30;
+
+/// How far a build has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Work done, 0 to 1; never decreases.
+    pub fraction: f32,
+}
+
+/// Builds octrees.
+///
+/// The words depend on the mesh and the settings alone, not on threads.
+#[derive(Clone, Debug)]
+pub struct Builder {
+    step_cost: f32,
+    max_level: u32,
+    budget: f32,
+    memory_limit: u64,
+    non_finite: NonFinite,
+    spoiled: Spoiled,
+}
+
+/// Clauses of the numeric contract that a test may have broken, to prove that it would notice.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Spoiled {
+    /// None.
+    Nothing,
+    /// Triangles are binned without padding, though the header claims it.
+    Padding,
+    /// Collinear triangles are dropped.
+    CollinearTriangles,
+    /// The mesh may touch the root's faces.
+    MeshMargin,
+}
+
+/// What the stages of a build share.
+pub(crate) struct Settings {
+    step_cost: f32,
+    max_level: u32,
+    /// References in all.
+    budget: usize,
+    memory_limit: u64,
+    padding: f32,
+}
+
+impl Settings {
+    /// An error where the build may not use so many bytes.
+    fn check_memory(&self, needed: u64) -> Result<(), BuildError> {
+        let limit = self.memory_limit;
+        if needed > limit { Err(BuildError::OutOfMemory { needed, limit }) } else { Ok(()) }
+    }
+}
+
+impl Default for Builder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Builder {
+    /// Default settings.
+    pub fn new() -> Self {
+        Self {
+            step_cost: STEP_COST,
+            max_level: MAX_LEVEL,
+            budget: BUDGET,
+            memory_limit: MEMORY_LIMIT,
+            non_finite: NonFinite::Refused,
+            spoiled: Spoiled::Nothing,
+        }
+    }
+
+    /// Cost of a step over the cost of a triangle test: larger values make fewer, fuller leaves. At least 0.5, the
+    /// default is 48.
+    #[must_use]
+    pub fn step_cost(self, step_cost: f32) -> Self {
+        Self { step_cost: if step_cost.is_finite() { step_cost.max(0.5) } else { STEP_COST }, ..self }
+    }
+
+    /// Deepest level of a leaf, 0 (the root alone) to 16.
+    #[must_use]
+    pub fn max_level(self, level: u32) -> Self {
+        Self { max_level: level.min(MAX_LEVEL), ..self }
+    }
+
+    /// References that the leaves may list for each triangle of the mesh, at least 1; the default is 8.
+    #[must_use]
+    pub fn reference_budget(self, references: f32) -> Self {
+        Self { budget: if references.is_finite() { references.max(1.0) } else { BUDGET }, ..self }
+    }
+
+    /// Bytes that a build may use, its result included; the default is 16 GiB.
+    #[must_use]
+    pub fn memory_limit(self, bytes: u64) -> Self {
+        Self { memory_limit: bytes, ..self }
+    }
+
+    /// Leaves triangles with NaN or infinite vertices out, counted as dropped, instead of refusing the mesh.
+    #[must_use]
+    pub fn lenient(self) -> Self {
+        Self { non_finite: NonFinite::Dropped, ..self }
+    }
+
+    /// Breaks a clause of the contract.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn spoil(self, spoiled: Spoiled) -> Self {
+        Self { spoiled, ..self }
+    }
+
+    /// Builds on the threads of the current rayon pool.
+    ///
+    /// # Errors
+    /// [`BuildError`].
+    pub fn build(&self, mesh: &Mesh) -> Result<Octree<Vec<u32>>, BuildError> {
+        self.build_with_progress(mesh, |_| ControlFlow::Continue(()))
+    }
+
+    /// As [`Builder::build`]; the callback hears of progress and may stop the build.
+    ///
+    /// # Errors
+    /// [`BuildError`], [`BuildError::Cancelled`] when the callback breaks.
+    pub fn build_with_progress(
+        &self,
+        mesh: &Mesh,
+        progress: impl Fn(Progress) -> ControlFlow<()> + Sync,
+    ) -> Result<Octree<Vec<u32>>, BuildError> {
+        let monitor = Monitor::new(&progress);
+        monitor.check(0.0)?;
+        let settings = Settings {
+            step_cost: self.step_cost,
+            max_level: self.max_level,
+            budget: ((f64::from(self.budget) * mesh.triangles.len() as f64) as usize).max(LEAST_BUDGET),
+            memory_limit: self.memory_limit,
+            padding: if self.spoiled == Spoiled::Padding { 0.0 } else { PADDING },
+        };
+        settings.check_memory(mesh.triangles.len() as u64 * normalise::BYTES_PER_TRIANGLE)?;
+        let normalised = self.normalise(mesh)?;
+        let tree = Tree::grow(&normalised.triangles, &settings, &monitor.part(0.05, 0.6))?;
+        assemble::assemble(mesh, &normalised, &tree, &settings, &monitor.part(0.6, 1.0))
+    }
+
+    fn normalise(&self, mesh: &Mesh) -> Result<Normalised, BuildError> {
+        let mut normalised = match self.spoiled {
+            Spoiled::MeshMargin => normalise::normalise_touching(mesh)?,
+            _ => normalise_with(mesh, self.non_finite)?,
+        };
+        if self.spoiled == Spoiled::CollinearTriangles {
+            normalised.triangles.retain(|(_, corners)| !normalise::is_collinear(corners));
+            normalised.dropped = (mesh.triangles.len() - normalised.triangles.len()) as u32;
+        }
+        Ok(normalised)
+    }
+}

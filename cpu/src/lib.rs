@@ -1,0 +1,16 @@
+//! Builds leafwalk octrees ([`Builder`]), checks them ([`verify`]) and traces them on every core ([`CpuTracer`]).
+#![forbid(unsafe_code)]
+
+mod brute_force;
+mod build;
+mod mesh;
+mod tracer;
+mod verify;
+
+pub use brute_force::BruteForce;
+pub use build::{BuildError, Builder, Progress};
+#[doc(hidden)]
+pub use build::Spoiled;
+pub use mesh::Mesh;
+pub use tracer::CpuTracer;
+pub use verify::{Verified, VerifyError, verify, verify_against};

@@ -1,0 +1,217 @@
+//! The pinhole camera, and how it is placed when nobody places it.
+
+use core::fmt;
+
+use leafwalk::{Aabb, Ray};
+
+use crate::picture::vector::{Vector, add, cross, dot, length, scale, sub, unit};
+
+/// Pixels of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+}
+
+impl Size {
+    /// Most pixels a side: the largest picture then takes 0.8 GB, and pixels are numbered in 32 bits.
+    pub(crate) const MOST: u32 = 16384;
+    /// The size of pictures unless told otherwise.
+    pub(crate) const DEFAULT: Self = Self { width: 960, height: 720 };
+
+    /// # Errors
+    /// When a side is 0 or above [`Size::MOST`].
+    pub(crate) fn new(width: u32, height: u32) -> Result<Self, CameraError> {
+        let sides = 1..=Self::MOST;
+        let fits = sides.contains(&width) && sides.contains(&height);
+        if fits { Ok(Self { width, height }) } else { Err(CameraError::Size { width, height }) }
+    }
+
+    pub(crate) fn pixels(self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Width over height.
+    pub(crate) fn aspect(self) -> f64 {
+        f64::from(self.width) / f64::from(self.height)
+    }
+}
+
+/// Where a camera stands and looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct View {
+    /// The pinhole, in the mesh's units.
+    pub(crate) eye: Vector,
+    /// The point in the middle of the picture.
+    pub(crate) at: Vector,
+    /// What is up in the picture; any length, not along the line of sight.
+    pub(crate) up: Vector,
+    /// Vertical angle of view in degrees, in 0..180.
+    pub(crate) fov: f64,
+}
+
+impl View {
+    /// A moderate angle: little distortion, some depth.
+    pub(crate) const FOV: f64 = 35.0;
+    pub(crate) const UP: Vector = [0.0, 1.0, 0.0];
+    /// From the right, the front and above: three sides of a box show.
+    const THREE_QUARTER: Vector = [0.5, 0.36, 1.0];
+    /// Room left around what is framed.
+    const BORDER: f64 = 1.06;
+
+    /// # Errors
+    /// When an angle of view in degrees is not between 0 and 180.
+    pub(crate) fn check_fov(degrees: f64) -> Result<(), CameraError> {
+        if degrees > 0.0 && degrees < 180.0 { Ok(()) } else { Err(CameraError::FieldOfView { degrees }) }
+    }
+
+    /// Frames a box from a three-quarter view: all eight corners are in the picture, close to its border.
+    pub(crate) fn framing(bounds: &Aabb, fov: f64, aspect: f64) -> Self {
+        let is_empty = (0..3).any(|k| bounds.lower[k] > bounds.upper[k]);
+        let (lower, upper) = if is_empty { ([-0.5; 3], [0.5; 3]) } else { (bounds.lower, bounds.upper) };
+        let at = scale(add(lower, upper), 0.5);
+        let view = Self { eye: add(at, Self::THREE_QUARTER), at, up: Self::UP, fov };
+        let Some([right, up, back]) = view.basis() else { return view };
+
+        let tangent = view.tangent();
+        let distance = (0..8)
+            .map(|corner| {
+                let corner = core::array::from_fn(|k| if corner >> k & 1 == 1 { upper[k] } else { lower[k] });
+                let offset = sub(corner, at);
+                let needed = (dot(offset, right).abs() / aspect).max(dot(offset, up).abs()) / tangent;
+                dot(offset, back) + Self::BORDER * needed
+            })
+            .fold(0.0, f64::max);
+        // A mesh that is a single point has no size to frame: any distance shows the same.
+        let distance = if distance > 0.0 { distance } else { 1.0 };
+        Self { eye: add(at, scale(back, distance)), ..view }
+    }
+
+    /// Half the height of the picture at distance 1.
+    fn tangent(&self) -> f64 {
+        (0.5 * self.fov.to_radians()).tan()
+    }
+
+    /// Unit vectors to the right, up and back, `None` where the view has no direction or no up.
+    fn basis(&self) -> Option<[Vector; 3]> {
+        let back = unit(sub(self.eye, self.at))?;
+        let sideways = cross(unit(self.up)?, back);
+        let is_parallel = length(sideways) < PARALLEL;
+        let right = unit(sideways).filter(|_| !is_parallel)?;
+        Some([right, cross(back, right), back])
+    }
+}
+
+/// Sine of the angle to the line of sight below which an up vector counts as parallel to it.
+///
+/// A picture turns by an error of up, which came as f32, divided by this sine: 2^-24 / 2^-10 is a tenth of the angle
+/// under which the largest picture's diagonal shows one pixel.
+const PARALLEL: f64 = 1.0 / (1 << 10) as f64;
+
+/// A camera that can take pictures: makes the primary rays.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Camera {
+    size: Size,
+    eye: [f32; 3],
+    /// Unit vectors to the right, up and back.
+    basis: [Vector; 3],
+    /// Edge of a pixel at distance 1.
+    pixel: f64,
+}
+
+impl Camera {
+    /// # Errors
+    /// [`CameraError`], when the view shows nothing that can be drawn.
+    pub(crate) fn new(view: &View, size: Size) -> Result<Self, CameraError> {
+        for (what, point) in [("eye", view.eye), ("at", view.at), ("up", view.up)] {
+            // Ray origins are f32.
+            if !point.iter().all(|c| (*c as f32).is_finite()) {
+                return Err(CameraError::NonFinite { what, point });
+            }
+        }
+        View::check_fov(view.fov)?;
+        if view.eye == view.at {
+            return Err(CameraError::NoDirection { eye: view.eye });
+        }
+        let Some(basis) = view.basis() else { return Err(CameraError::UpAlongView { up: view.up }) };
+        let pixel = 2.0 * view.tangent() / f64::from(size.height);
+        Ok(Self { size, eye: view.eye.map(|c| c as f32), basis, pixel })
+    }
+
+    pub(crate) fn size(&self) -> Size {
+        self.size
+    }
+
+    /// Unit vectors to the right, up and back.
+    pub(crate) fn basis(&self) -> [Vector; 3] {
+        self.basis
+    }
+
+    /// The ray through a point of the picture, in pixels from its upper left corner; its direction has length 1.
+    pub(crate) fn ray(&self, x: f64, y: f64) -> Ray {
+        let [right, up, back] = self.basis;
+        let across = self.pixel * (x - 0.5 * f64::from(self.size.width));
+        let upwards = self.pixel * (0.5 * f64::from(self.size.height) - y);
+        let direction = sub(add(scale(right, across), scale(up, upwards)), back);
+        Ray::new(self.eye, unit(direction).unwrap_or(direction).map(|c| c as f32))
+    }
+}
+
+/// Why a camera cannot take a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub(crate) enum CameraError {
+    /// No pixels, or too many.
+    Size {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+    },
+    /// The angle of view is not between 0 and 180 degrees.
+    FieldOfView {
+        /// The angle.
+        degrees: f64,
+    },
+    /// A coordinate is NaN, infinite, or beyond f32.
+    NonFinite {
+        /// Which point or vector.
+        what: &'static str,
+        /// Its value.
+        point: Vector,
+    },
+    /// The eye is the point that it looks at.
+    NoDirection {
+        /// The point.
+        eye: Vector,
+    },
+    /// Up is zero, or the camera looks along it.
+    UpAlongView {
+        /// The vector.
+        up: Vector,
+    },
+}
+
+impl fmt::Display for CameraError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Size { width, height } => {
+                write!(f, "a picture of {width} x {height} pixels: choose sides from 1 to {}", Size::MOST)
+            }
+            Self::FieldOfView { degrees } => {
+                write!(f, "a field of view of {degrees} degrees: choose one above 0 and below 180")
+            }
+            Self::NonFinite { what, point: [x, y, z] } => {
+                write!(f, "the camera's {what} is ({x}, {y}, {z}): give finite numbers within the range of f32")
+            }
+            Self::NoDirection { eye: [x, y, z] } => {
+                write!(f, "the camera at ({x}, {y}, {z}) looks at its own place: move eye or at")
+            }
+            Self::UpAlongView { up: [x, y, z] } => {
+                write!(f, "up ({x}, {y}, {z}) is zero or lies along the line of sight: choose another up")
+            }
+        }
+    }
+}
+
+impl core::error::Error for CameraError {}

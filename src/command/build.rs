@@ -1,0 +1,90 @@
+//! `leafwalk build`: a mesh into an octree's file.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser};
+use leafwalk::Builder;
+
+use super::context::Context;
+use super::error::CommandError;
+use super::input;
+use super::report::Report;
+
+/// Build the octree of a mesh and save it.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct BuildArgs {
+    /// The mesh: .obj, .ply or .stl, each also with .gz.
+    mesh: PathBuf,
+
+    /// The file to write, FILE.lwk.
+    #[arg(long, short, value_name = "FILE.lwk", value_parser = octree_path())]
+    output: PathBuf,
+
+    /// The deepest level of a leaf, 0 to 16.
+    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u32).range(0..=16))]
+    max_level: Option<u32>,
+
+    /// References that the leaves may list for each triangle of the mesh, at least 1.
+    #[arg(long, value_name = "REFERENCES", value_parser = budget)]
+    budget: Option<f32>,
+
+    /// Memory that the build may use, in bytes.
+    #[arg(long, value_name = "BYTES")]
+    memory_limit: Option<u64>,
+
+    /// Leave out triangles with NaN or infinite vertices instead of refusing the mesh.
+    #[arg(long)]
+    lenient: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  leafwalk build bunny.ply -o bunny.lwk
+  leafwalk build scan.obj.gz -o scan.lwk --lenient --max-level 12 --threads 4
+  leafwalk build bunny.ply -o bunny.lwk --json";
+
+fn octree_path() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| match input::is_octree(&path) {
+        true => Ok(path),
+        // The extension is what tells octrees from meshes later.
+        false => Err("the name must end in .lwk"),
+    })
+}
+
+fn budget(argument: &str) -> Result<f32, String> {
+    match argument.parse() {
+        Ok(references) if (1.0..f32::INFINITY).contains(&references) => Ok(references),
+        _ => Err("a number from 1 on is needed".to_owned()),
+    }
+}
+
+impl BuildArgs {
+    fn builder(&self) -> Builder {
+        let mut builder = Builder::new();
+        if let Some(level) = self.max_level {
+            builder = builder.max_level(level);
+        }
+        if let Some(references) = self.budget {
+            builder = builder.reference_budget(references);
+        }
+        if let Some(bytes) = self.memory_limit {
+            builder = builder.memory_limit(bytes);
+        }
+        if self.lenient { builder.lenient() } else { builder }
+    }
+}
+
+pub(crate) fn run(args: &BuildArgs, context: &Context) -> Result<(), CommandError> {
+    context.check_output(&args.output, &[&args.mesh])?;
+    let mesh = input::load_mesh(&args.mesh, context)?;
+    let (octree, time) = input::build(&args.builder(), &mesh, context)?;
+    context.write(&args.output, |writer| leafwalk::write_octree(&octree, writer))?;
+
+    let mut report = Report::new();
+    report.add_octree(&octree);
+    let seconds = time.as_secs_f64();
+    report.add_as("build_seconds", "build time", seconds, format!("{seconds:.3} s"));
+    context.report(&report)
+}

@@ -1,0 +1,53 @@
+//! `leafwalk` alone: a picture of the default scene.
+
+use std::path::Path;
+use std::time::Instant;
+
+use leafwalk::{Builder, CpuTracer, Ray};
+use rayon::prelude::*;
+
+use super::context::Context;
+use super::error::CommandError;
+use super::render::{add_picture, add_primary, add_rays, add_seconds, failed, progress, save};
+use super::report::Report;
+use crate::camera::{Camera, Size};
+use crate::picture::meter::Meter;
+use crate::picture::surface::Surfaces;
+use crate::picture::{path, primary_ray};
+use crate::scene::{Detail, Scene};
+
+const OUTPUT: &str = "leafwalk.png";
+
+pub(crate) fn run(context: &Context) -> Result<(), CommandError> {
+    let output = Path::new(OUTPUT);
+    context.check_output(output, &[])?;
+    let scene = Scene::room(Detail::FULL);
+    let camera = Camera::new(&scene.view, Size::DEFAULT).map_err(|error| failed(error.into(), output))?;
+
+    let start = Instant::now();
+    let octree = context.build(&Builder::new(), &scene.mesh)?;
+    let build_time = start.elapsed();
+    let surfaces = Surfaces::new(&octree, scene.materials.clone());
+
+    let tracer = CpuTracer::new(octree);
+    let mut meter = Meter::new(&tracer);
+    let start = Instant::now();
+    let image = path::render(&mut meter, &scene, &surfaces, &camera, &progress(camera.size(), context))
+        .map_err(|error| failed(error, output))?;
+    let render_time = start.elapsed();
+    save(&image, output, context)?;
+
+    // The work of a walk is counted on rays of their own, so that it does not slow the picture down.
+    let mut primary = Meter::new(&tracer);
+    let middles = (0..camera.size().pixels()).into_par_iter().map(|pixel| primary_ray(&camera, pixel, [0.5; 2]));
+    primary.primary_hits(&middles.collect::<Vec<Ray>>())?;
+
+    let mut report = Report::new();
+    report.add_octree(tracer.octree());
+    add_seconds(&mut report, "build_seconds", "build time", build_time);
+    add_seconds(&mut report, "render_seconds", "render time", render_time);
+    add_rays(&mut report, &meter.traced);
+    add_primary(&mut report, &primary.primary);
+    add_picture(&mut report, output);
+    context.report(&report)
+}

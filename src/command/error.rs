@@ -1,0 +1,105 @@
+//! Why a command failed.
+
+use core::fmt;
+use std::io;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use leafwalk::mesh_file::MeshError;
+use leafwalk::{BuildError, FileError, LengthMismatch, VerifyError};
+
+use super::rays::RaysError;
+
+/// Why a command failed; the text is what follows `error: ` on stderr.
+#[derive(Debug)]
+pub(crate) enum CommandError {
+    Mesh(MeshError),
+    Build(BuildError),
+    File(FileError),
+    Verify {
+        path: PathBuf,
+        source: VerifyError,
+    },
+    Rays {
+        path: PathBuf,
+        source: RaysError,
+    },
+    Trace(LengthMismatch),
+    /// An output cannot be written.
+    Write {
+        path: PathBuf,
+        source: io::Error,
+    },
+    /// An output would replace an input.
+    Overwrite {
+        path: PathBuf,
+    },
+    Stdout(io::Error),
+    Threads(rayon::ThreadPoolBuildError),
+    Signals(ctrlc::Error),
+    /// By Ctrl-C.
+    Cancelled,
+}
+
+impl CommandError {
+    /// As the shell sees it: 130 after Ctrl-C, 1 otherwise. Usage errors (2) are clap's.
+    pub(crate) fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Cancelled => ExitCode::from(CANCELLED),
+            _ => ExitCode::FAILURE,
+        }
+    }
+}
+
+/// 128 and the number of SIGINT.
+pub(crate) const CANCELLED: u8 = 130;
+
+impl fmt::Display for CommandError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Mesh(source) => source.fmt(f),
+            Self::Build(source) => source.fmt(f),
+            Self::File(source) => source.fmt(f),
+            Self::Verify { path, source } => write!(f, "{}: {source}", path.display()),
+            Self::Rays { path, source } => write!(f, "{}: {source}", path.display()),
+            Self::Trace(source) => source.fmt(f),
+            Self::Write { path, source } => write!(f, "{}: cannot be written: {source}", path.display()),
+            Self::Overwrite { path } => {
+                write!(f, "{}: is an input and would be replaced: give the output another name", path.display())
+            }
+            Self::Stdout(source) => write!(f, "the report cannot be printed: {source}"),
+            Self::Threads(source) => write!(f, "the threads cannot be started: {source}"),
+            Self::Signals(source) => write!(f, "Ctrl-C cannot be caught: {source}"),
+            Self::Cancelled => write!(f, "cancelled"),
+        }
+    }
+}
+
+impl core::error::Error for CommandError {}
+
+impl From<MeshError> for CommandError {
+    fn from(source: MeshError) -> Self {
+        Self::Mesh(source)
+    }
+}
+
+impl From<BuildError> for CommandError {
+    fn from(source: BuildError) -> Self {
+        match source {
+            BuildError::Cancelled => Self::Cancelled,
+            source => Self::Build(source),
+        }
+    }
+}
+
+impl From<FileError> for CommandError {
+    fn from(source: FileError) -> Self {
+        Self::File(source)
+    }
+}
+
+impl From<LengthMismatch> for CommandError {
+    fn from(source: LengthMismatch) -> Self {
+        Self::Trace(source)
+    }
+}

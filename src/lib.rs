@@ -1,0 +1,42 @@
+//! Ray tracing by walking: a mesh becomes a compact, serialized octree whose leaves know their face neighbours, and a
+//! ray goes from leaf to leaf with one branchless step.
+//!
+//! Rays do not leak through edges or vertices, every backend gives the same bits, and the file is the structure.
+//!
+//! ```
+//! use leafwalk::{Builder, Mesh, Ray};
+//!
+//! let mesh = Mesh::new(
+//!     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+//!     vec![[0, 1, 2]],
+//! );
+//! let octree = Builder::new().build(&mesh)?;
+//! let hit = octree.closest_hit(&Ray::new([0.25, 0.5, 2.0], [0.0, 0.0, -1.0])).expect("a hit");
+//! assert_eq!((hit.primitive, hit.t, hit.u, hit.v), (0, 2.0, 0.25, 0.5));
+//!
+//! // The words are the file: save them, map them, put them into flash, and trace.
+//! let bytes = bytemuck::cast_slice(octree.as_words());
+//! let mapped = leafwalk::Octree::from_bytes(bytes)?;
+//! assert!(mapped.occluded(&Ray::new([0.25, 0.5, 2.0], [0.0, 0.0, -1.0])));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Batches go to a [`Tracer`]: [`CpuTracer`] answers them on every core. [`load`] and [`save`] read and write files.
+#![forbid(unsafe_code)]
+
+#[cfg(feature = "mesh-files")]
+pub mod mesh_file;
+mod octree_file;
+#[doc(hidden)]
+pub mod output_file;
+
+pub use leafwalk_core::{
+    Aabb, CanonicalRay, DecodeError, Frame, Hit, LengthMismatch, Octree, Parts, Ray, RecordFault, Stats, Tracer, Work,
+    hit_hash, wire,
+};
+pub use leafwalk_cpu::{
+    BruteForce, BuildError, Builder, CpuTracer, Mesh, Progress, Verified, VerifyError, verify, verify_against,
+};
+#[doc(hidden)]
+pub use octree_file::write_octree;
+pub use octree_file::{FileError, load, save};

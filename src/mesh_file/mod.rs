@@ -1,0 +1,102 @@
+//! Reading triangle meshes from OBJ (with MTL), PLY and STL files, each also gzipped.
+//!
+//! [`load`] chooses the format by the file's extension (`.obj`, `.ply`, `.stl`, in any case, with or without a `.gz`
+//! after it) and answers with a [`MeshFile`]: triangles in the order of the file's faces, polygons split into fans,
+//! and a material for each triangle where the file names some. Bad input is a [`MeshError`] that names the file and
+//! the place; it never panics, and memory grows only with bytes that were really read.
+//!
+//! Vertices that are not finite pass through as they are, from every format that can hold them (ASCII PLY and ASCII
+//! STL cannot: there they are a [`MeshError::Syntax`]); the builder rejects them by number.
+
+mod error;
+mod lines;
+mod mtl;
+mod obj;
+mod ply;
+mod polygon;
+mod source;
+mod stl;
+
+use std::path::{Path, PathBuf};
+
+pub use error::MeshError;
+
+use crate::Mesh;
+use source::Source;
+
+/// What a mesh file held.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshFile {
+    /// The vertices of the file in its order, used or not (STL: each different position once, in order of appearance),
+    /// and its triangles in the order of its faces. `material_ids` index [`materials`](Self::materials); both are empty
+    /// where the file gives no face a material.
+    pub mesh: Mesh,
+    /// First those of the MTL files, in their order, then those that faces use and no MTL file defines.
+    pub materials: Vec<Material>,
+    /// MTL files that the OBJ file names and that do not exist.
+    pub missing_libraries: Vec<PathBuf>,
+    /// Faces with fewer than three corners: they make no triangle.
+    pub skipped_faces: usize,
+}
+
+/// A surface's colours, from an MTL file: linear red, green, blue, as written there.
+///
+/// A material that no MTL file defines keeps the name that `usemtl` gave it (faces before the first `usemtl`: an empty
+/// name) and is a neutral grey of 0.5 that emits nothing. So is, for the one colour, a material whose `Kd` is absent,
+/// not finite, or given as a spectrum.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Its name in the file.
+    pub name: String,
+    /// Diffuse reflectance, `Kd`.
+    pub diffuse: [f32; 3],
+    /// Emitted radiance, `Ke`; zero where absent.
+    pub emission: [f32; 3],
+}
+
+impl Material {
+    fn neutral(name: &str) -> Self {
+        Self { name: name.to_owned(), diffuse: [0.5; 3], emission: [0.0; 3] }
+    }
+}
+
+/// How much of a file is read before it counts as an attack or an accident.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Bytes after decompression, of the mesh file and of each MTL file. While it is read, a file made to be costly
+    /// takes at most some ten times as much memory, an OBJ file some fifty times (tobj keeps 104 bytes a face).
+    pub max_bytes: u64,
+    /// Bytes of one line of text, line end and continuations included.
+    pub max_line: usize,
+}
+
+impl Default for Limits {
+    /// 8 GiB, and lines of 16 MiB: a polygon of a million corners.
+    fn default() -> Self {
+        Self { max_bytes: 8 << 30, max_line: 16 << 20 }
+    }
+}
+
+/// Reads a mesh file under the default [`Limits`].
+///
+/// # Errors
+/// [`MeshError`], when the file cannot be read or does not hold a mesh.
+pub fn load(path: &Path) -> Result<MeshFile, MeshError> {
+    load_with(path, &Limits::default())
+}
+
+/// Reads a mesh file.
+///
+/// # Errors
+/// [`MeshError`], when the file cannot be read, does not hold a mesh, or goes beyond `limits`.
+pub fn load_with(path: &Path, limits: &Limits) -> Result<MeshFile, MeshError> {
+    let name = if source::is_named_gzip(path) { path.with_extension("") } else { path.to_owned() };
+    let extension = name.extension().map(|extension| extension.to_ascii_lowercase());
+    let read = match extension.as_ref().and_then(|extension| extension.to_str()) {
+        Some("obj") => obj::read,
+        Some("ply") => ply::read,
+        Some("stl") => stl::read,
+        _ => return Err(MeshError::UnknownFormat { path: path.to_owned() }),
+    };
+    read(Source::open(path, limits)?)
+}

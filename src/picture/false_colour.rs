@@ -1,0 +1,145 @@
+//! Pictures whose colours are data: one primary ray a pixel.
+
+use core::ops::ControlFlow;
+
+use leafwalk::{CpuTracer, Hit, LengthMismatch, Ray, Work};
+use rayon::prelude::*;
+
+use super::meter::Meter;
+use super::surface::Surfaces;
+use super::vector::{Vector, mix};
+use super::{Image, PictureError, batches, primary_ray};
+use crate::camera::Camera;
+
+/// One answer of a batch.
+type Answer = (Hit, Work);
+
+/// Takes false-colour pictures of an octree.
+pub(crate) struct FalseColour<'a, 'm, W> {
+    pub(crate) meter: &'a mut Meter<'m, CpuTracer<W>>,
+    pub(crate) camera: &'a Camera,
+    /// Hears of finished pixels and may stop the work.
+    pub(crate) progress: &'a dyn Fn(usize) -> ControlFlow<()>,
+}
+
+/// The smallest and the largest value of a picture's scale.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scale {
+    pub(crate) lowest: f32,
+    pub(crate) highest: f32,
+}
+
+impl<W: AsRef<[u32]> + Sync> FalseColour<'_, '_, W> {
+    /// The unit normal, on the side that is seen: x, y and z as red, green and blue, -1 dark and 1 bright.
+    pub(crate) fn normals(self, surfaces: &Surfaces) -> Result<Image, PictureError<LengthMismatch>> {
+        let size = self.camera.size();
+        let colour = |ray: &Ray, (hit, _): &Answer| {
+            let normal = surfaces.at(hit, ray.direction).map(|surface| surface.normal);
+            normal.map_or(BACKGROUND, |normal| normal.map(|c| to_byte(0.5 + 0.5 * c)))
+        };
+        Ok(Image { size, pixels: self.each(colour)? })
+    }
+
+    /// A colour of its own for each primitive.
+    pub(crate) fn primitives(self) -> Result<Image, PictureError<LengthMismatch>> {
+        let size = self.camera.size();
+        let colour =
+            |_: &Ray, (hit, _): &Answer| if hit.is_miss() { BACKGROUND } else { primitive_colour(hit.primitive) };
+        Ok(Image { size, pixels: self.each(colour)? })
+    }
+
+    /// The distance to the hit, near bright and far dark.
+    pub(crate) fn depths(self) -> Result<(Image, Option<Scale>), PictureError<LengthMismatch>> {
+        self.scaled(|(hit, _)| hit.t, |depth, scale| [to_byte(1.0 - 0.9 * scale.share(depth)); 3])
+    }
+
+    /// How many cells a ray visits, from none (black) to the most (light yellow).
+    pub(crate) fn cells(self) -> Result<(Image, Option<Scale>), PictureError<LengthMismatch>> {
+        self.scaled(|(_, work)| work.cells as f32, |cells, scale| heat(f64::from(cells / scale.highest)))
+    }
+
+    /// Colours by a value and the scale of the whole picture; the background has none that is finite.
+    fn scaled(
+        self,
+        value: impl Fn(&Answer) -> f32 + Sync,
+        colour: impl Fn(f32, &Scale) -> [u8; 3] + Sync,
+    ) -> Result<(Image, Option<Scale>), PictureError<LengthMismatch>> {
+        let size = self.camera.size();
+        let values = self.each(|_, answer| value(answer))?;
+        let finite = values.iter().copied().filter(|value| value.is_finite());
+        let lowest = finite.clone().fold(f32::INFINITY, f32::min);
+        let highest = finite.fold(f32::NEG_INFINITY, f32::max);
+        let scale = (lowest <= highest).then_some(Scale { lowest, highest });
+        let mut image = Image::with_capacity(size)?;
+        image.pixels.par_extend(values.par_iter().map(|value| match &scale {
+            Some(scale) if value.is_finite() => colour(*value, scale),
+            _ => BACKGROUND,
+        }));
+        Ok((image, scale))
+    }
+
+    /// A value for each pixel.
+    fn each<V: Send + Sync>(
+        self,
+        value: impl Fn(&Ray, &Answer) -> V + Sync,
+    ) -> Result<Vec<V>, PictureError<LengthMismatch>> {
+        let size = self.camera.size();
+        let mut values = Vec::new();
+        values.try_reserve_exact(size.pixels()).map_err(|_| PictureError::OutOfMemory { size })?;
+        for pixels in batches(size, 1) {
+            if (self.progress)(pixels.start).is_break() {
+                return Err(PictureError::Cancelled);
+            }
+            let rays: Vec<Ray> = pixels.into_par_iter().map(|p| primary_ray(self.camera, p, [0.5; 2])).collect();
+            let answers = self.meter.primary_hits(&rays).map_err(PictureError::Tracer)?;
+            values.par_extend(rays.par_iter().zip(&answers).map(|(ray, answer)| value(ray, answer)));
+        }
+        Ok(values)
+    }
+}
+
+impl Scale {
+    /// Where a value lies between the ends, 0 to 1.
+    fn share(&self, value: f32) -> f64 {
+        let span = f64::from(self.highest) - f64::from(self.lowest);
+        if span > 0.0 { (f64::from(value) - f64::from(self.lowest)) / span } else { 0.0 }
+    }
+}
+
+const BACKGROUND: [u8; 3] = [0; 3];
+
+/// A byte of a display value, 0 to 1.
+fn to_byte(value: f64) -> u8 {
+    (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+}
+
+/// Any colour that is not dark, the same for the same primitive.
+fn primitive_colour(primitive: u32) -> [u8; 3] {
+    // The finaliser of MurmurHash3 (Appleby, public domain): every bit of the number changes half the colour's bits.
+    let mut hash = primitive.wrapping_add(1);
+    hash = (hash ^ hash >> 16).wrapping_mul(0x85eb_ca6b);
+    hash = (hash ^ hash >> 13).wrapping_mul(0xc2b2_ae35);
+    let [red, green, blue, _] = (hash ^ hash >> 16).to_le_bytes();
+    [red, green, blue].map(|c| 64 + c / 4 * 3)
+}
+
+/// Ten colours of even steps in lightness, the map `inferno` of Smith & van der Walt (2015, public domain).
+const INFERNO: [[u8; 3]; 10] = [
+    [0, 0, 4],
+    [27, 12, 66],
+    [75, 12, 107],
+    [120, 28, 109],
+    [165, 44, 96],
+    [207, 68, 70],
+    [237, 105, 37],
+    [251, 154, 6],
+    [247, 208, 60],
+    [252, 255, 164],
+];
+
+fn heat(share: f64) -> [u8; 3] {
+    let place = share.clamp(0.0, 1.0) * (INFERNO.len() - 1) as f64;
+    let below = (place as usize).min(INFERNO.len() - 2);
+    let [low, high]: [Vector; 2] = [INFERNO[below], INFERNO[below + 1]].map(|colour| colour.map(f64::from));
+    mix(low, high, place - below as f64).map(|c| (c + 0.5) as u8)
+}

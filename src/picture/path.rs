@@ -1,0 +1,149 @@
+//! A scene lit by its light: direct light with traced shadows, and light from other surfaces over a few bounces.
+
+use core::ops::{ControlFlow, Range};
+
+use leafwalk::{Hit, Ray, Tracer};
+use rayon::prelude::*;
+
+use super::meter::Meter;
+use super::smooth::{Film, Pixel};
+use super::surface::{Surface, Surfaces, lift};
+use super::vector::{Vector, add, dot, length, mul, scale, sub, tangents};
+use super::{Draws, Image, PictureError, SAMPLES, batches, in_cell, primary_ray, spread, to_display};
+use crate::camera::Camera;
+use crate::scene::{Light, Scene};
+
+/// Waves of bounce rays after the primary rays, from the first sample of each pixel alone: what they bring is smoothed.
+const BOUNCES: u32 = 2;
+
+/// A path from the camera, in progress.
+struct Path {
+    /// Its sample, counted from the first of the batch.
+    sample: usize,
+    ray: Ray,
+    /// What share of the light it meets reaches the first hit's surface, and leaves it if that were white.
+    weight: Vector,
+}
+
+/// What became of a path at a hit.
+struct Bounce {
+    surface: Surface,
+    /// What a white surface would reflect of the light if nothing were in between; of primary hits.
+    unshadowed: Vector,
+    /// The ray to the light, and what comes along it if nothing is in between.
+    shadow: Option<(Ray, Vector)>,
+    next: Path,
+}
+
+/// Renders a scene; `progress` hears of finished pixels and may stop the work.
+pub(crate) fn render<T: Tracer>(
+    meter: &mut Meter<'_, T>,
+    scene: &Scene,
+    surfaces: &Surfaces,
+    camera: &Camera,
+    progress: &dyn Fn(usize) -> ControlFlow<()>,
+) -> Result<Image, PictureError<T::Error>> {
+    let mut image = Image::with_capacity(camera.size())?;
+    let mut film = Film::with_capacity(camera.size())?;
+    let renderer = Renderer { light: scene.light, surfaces, camera };
+    for pixels in batches(camera.size(), SAMPLES) {
+        if progress(pixels.start).is_break() {
+            return Err(PictureError::Cancelled);
+        }
+        film.pixels.extend(renderer.batch(meter, pixels).map_err(PictureError::Tracer)?);
+    }
+    film.smooth();
+    image.pixels.par_extend(film.pixels.par_iter().map(|pixel| to_display(tone(pixel.radiance()))));
+    Ok(image)
+}
+
+struct Renderer<'a> {
+    light: Light,
+    surfaces: &'a Surfaces,
+    camera: &'a Camera,
+}
+
+impl Renderer<'_> {
+    fn batch<T: Tracer>(&self, meter: &mut Meter<'_, T>, pixels: Range<usize>) -> Result<Vec<Pixel>, T::Error> {
+        let mut result = vec![Pixel::default(); pixels.len()];
+        let mut paths: Vec<Path> = (0..pixels.len() * SAMPLES)
+            .into_par_iter()
+            .map(|sample| {
+                let pixel = pixels.start + sample / SAMPLES;
+                let place = in_cell(Draws::new(pixel, 0).point(), sample);
+                Path { sample, ray: primary_ray(self.camera, pixel, place), weight: [1.0; 3] }
+            })
+            .collect();
+        for wave in 0..=BOUNCES {
+            let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
+            let hits = meter.closest_hits(&rays)?;
+            let bounces: Vec<Option<Bounce>> = (&paths, &hits)
+                .into_par_iter()
+                .map(|(path, hit)| {
+                    let pixel = pixels.start + path.sample / SAMPLES;
+                    self.bounce(wave, path, hit, Draws::new(pixel, wave + 1))
+                })
+                .collect();
+            let shadows: Vec<Ray> = bounces.iter().flatten().filter_map(|bounce| Some(bounce.shadow?.0)).collect();
+            let mut occluded = meter.occlusions(&shadows)?.into_iter();
+            for bounce in bounces.iter().flatten() {
+                let possible = bounce.shadow.map_or([0.0; 3], |(_, light)| light);
+                let is_lit = bounce.shadow.is_some() && occluded.next() == Some(false);
+                let found = if is_lit { possible } else { [0.0; 3] };
+                let pixel = &mut result[bounce.next.sample / SAMPLES];
+                if wave == 0 {
+                    pixel.add(&bounce.surface, bounce.unshadowed, [found[1], possible[1]]);
+                } else {
+                    pixel.bounced = add(pixel.bounced, found);
+                }
+            }
+            let bounced = bounces.into_iter().flatten().map(|bounce| bounce.next);
+            paths = bounced.filter(|path| path.sample.is_multiple_of(SAMPLES)).collect();
+        }
+        Ok(result)
+    }
+
+    /// What a path does at its next hit; `None` where it ends.
+    fn bounce(&self, wave: u32, path: &Path, hit: &Hit, mut draws: Draws) -> Option<Bounce> {
+        let surface = self.surfaces.at(hit, path.ray.direction)?;
+        // The first surface counts as white here: its pixel applies the colour, after smoothing.
+        let colour = if wave == 0 { [1.0; 3] } else { surface.material.diffuse.map(f64::from) };
+        let weight = mul(path.weight, colour);
+        let place = spread(draws.point(), path.sample % SAMPLES);
+        let shadow = self.shadow_ray(&surface, place);
+        let shadow = shadow.map(|(ray, share)| (ray, scale(mul(weight, self.light.radiance), share)));
+        // Directions are distributed as their cosine, by a disc that is projected up, so that all weigh the same.
+        let [turn, area] = draws.point();
+        let (sine, cosine) = (core::f64::consts::TAU * turn).sin_cos();
+        let [u, v] = tangents(surface.normal).map(|tangent| scale(tangent, area.sqrt()));
+        let up = scale(surface.normal, (1.0 - area).sqrt());
+        let direction = add(add(scale(u, cosine), scale(v, sine)), up);
+        let ray = Ray::new(surface.lifted.map(|c| c as f32), direction.map(|c| c as f32));
+        let form_factor = if wave == 0 { self.light.form_factor(surface.lifted, surface.normal) } else { 0.0 };
+        let unshadowed = scale(self.light.radiance, form_factor);
+        Some(Bounce { surface, unshadowed, shadow, next: Path { sample: path.sample, ray, weight } })
+    }
+
+    /// The ray to a place on the light, and what share of the light's radiance a white surface reflects of it.
+    fn shadow_ray(&self, surface: &Surface, place: [f64; 2]) -> Option<(Ray, f64)> {
+        // Both ends are lifted off their surfaces, so that the ray between them meets neither.
+        let normal = self.light.normal();
+        let to_light = sub(lift(self.light.point(place), normal, self.surfaces.root_edge()), surface.lifted);
+        let distance = length(to_light);
+        let (leaving, arriving) = (dot(surface.normal, to_light), -dot(normal, to_light));
+        let is_lit = leaving > 0.0 && arriving > 0.0;
+        let share = leaving * arriving * self.light.area() / (core::f64::consts::PI * distance.powi(4));
+        let [origin, direction] = [surface.lifted, to_light].map(|vector| vector.map(|c| c as f32));
+        is_lit.then(|| (Ray::between(origin, direction, 0.0, 1.0), share))
+    }
+}
+
+/// Exposure and a filmic curve: brights roll off to white, darks keep their contrast.
+fn tone(radiance: Vector) -> Vector {
+    radiance.map(|c| {
+        let c = EXPOSURE * c;
+        // The fit of Narkowicz (2016) to the ACES reference curve.
+        (c * (2.51 * c + 0.03)) / (c * (2.43 * c + 0.59) + 0.14)
+    })
+}
+const EXPOSURE: f64 = 0.8;

@@ -1,0 +1,150 @@
+//! The pixels of a path-traced picture, and the smoothing of what few rays leave noisy.
+
+use rayon::prelude::*;
+
+use super::surface::Surface;
+use super::vector::{Vector, add, dot, mul, scale, sub};
+use super::{PictureError, SAMPLES};
+use crate::camera::Size;
+
+/// What the samples of a pixel saw.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Pixel {
+    emitted: Vector,
+    /// Reflected of the light if nothing were in between; the mean of the samples, as are `emitted` and `diffuse`.
+    unshadowed: Vector,
+    diffuse: Vector,
+    /// What shadow rays found of the light, and what they would have found if nothing were in between.
+    light: [f64; 2],
+    /// What a white surface would reflect of the light from other surfaces, at the first sample.
+    pub(crate) bounced: Vector,
+    /// Of the first sample: a mean over an edge would resemble no neighbour.
+    normal: Vector,
+    point: Vector,
+    /// Whether the samples see different surfaces.
+    is_edge: bool,
+}
+
+impl Pixel {
+    /// A sample's hit, what a white surface there would reflect of the light if nothing were in between, and what the
+    /// shadow ray found of the light and might have found.
+    pub(crate) fn add(&mut self, surface: &Surface, unshadowed: Vector, light: [f64; 2]) {
+        let share = 1.0 / SAMPLES as f64;
+        let [diffuse, emission] = [surface.material.diffuse, surface.material.emission].map(|c| c.map(f64::from));
+        let emission = if surface.is_front { emission } else { [0.0; 3] };
+        self.emitted = add(self.emitted, scale(emission, share));
+        self.unshadowed = add(self.unshadowed, scale(mul(diffuse, unshadowed), share));
+        self.diffuse = add(self.diffuse, scale(diffuse, share));
+        self.light = [self.light[0] + light[0], self.light[1] + light[1]];
+        if self.normal == [0.0; 3] {
+            (self.normal, self.point) = (surface.normal, surface.lifted);
+        }
+        let this = Self { normal: surface.normal, point: surface.lifted, ..Self::default() };
+        self.is_edge |= likeness(self, &this) < ALIKE;
+    }
+
+    pub(crate) fn radiance(&self) -> Vector {
+        let direct = scale(self.unshadowed, self.visibility());
+        add(self.emitted, add(direct, mul(self.diffuse, self.bounced)))
+    }
+
+    /// What share of the light arrives.
+    fn visibility(&self) -> f64 {
+        let [found, possible] = self.light;
+        if possible > 0.0 { found / possible } else { 0.0 }
+    }
+}
+
+/// All pixels, row by row.
+#[derive(Debug)]
+pub(crate) struct Film {
+    size: Size,
+    pub(crate) pixels: Vec<Pixel>,
+}
+
+/// Passes over bounced light, which varies slowly: each reaches twice as far as the one before, together 62 pixels.
+const BOUNCED_PASSES: u32 = 5;
+/// Passes over visibility, within penumbras: 14 pixels.
+const VISIBILITY_PASSES: u32 = 3;
+/// The cubic B-spline: what a pass takes from neighbours 0, 1 and 2 of its steps away.
+const SPLINE: [f64; 3] = [0.375, 0.25, 0.0625];
+/// Difference in direct light, as radiance, that counts as the edge of a shadow.
+const SHADOW_EDGE: f64 = 0.9;
+/// Distance from a pixel's plane, in scene units, that counts as another surface.
+const STEP_IN_DEPTH: f64 = 0.05;
+/// Likeness below which two samples show different surfaces.
+const ALIKE: f64 = 0.5;
+
+impl Film {
+    pub(crate) fn with_capacity<E>(size: Size) -> Result<Self, PictureError<E>> {
+        let mut pixels = Vec::new();
+        pixels.try_reserve_exact(size.pixels()).map_err(|_| PictureError::OutOfMemory { size })?;
+        Ok(Self { size, pixels })
+    }
+
+    /// Averages over pixels that see the same smooth surface (Dammertz et al., Edge-Avoiding A-Trous Wavelet Transform,
+    /// HPG 2010).
+    pub(crate) fn smooth(&mut self) {
+        for pass in 0..BOUNCED_PASSES {
+            self.pass(1 << pass, |pixel| pixel.bounced, |pixel, mean| pixel.bounced = mean, likeness);
+        }
+        // One sample stands for all four on an edge, which makes it ragged: there both sides are mixed.
+        let set_on_edge = |pixel: &mut Pixel, mean| {
+            if pixel.is_edge {
+                pixel.bounced = mean;
+            }
+        };
+        self.pass(1, |pixel| pixel.bounced, set_on_edge, |_, _| 1.0);
+        let in_penumbra = |a: &Pixel, b: &Pixel| {
+            let brightest = a.unshadowed.iter().fold(0.0, |most: f64, c| most.max(*c));
+            likeness(a, b) * falloff(brightest * (a.visibility() - b.visibility()) / SHADOW_EDGE)
+        };
+        for pass in 0..VISIBILITY_PASSES {
+            self.pass(1 << pass, |pixel| pixel.light, |pixel, mean| pixel.light = mean, in_penumbra);
+        }
+    }
+
+    /// Replaces a value of every pixel by its weighted mean over 5 x 5 pixels, `step` apart.
+    fn pass<const N: usize>(
+        &mut self,
+        step: isize,
+        value: impl Fn(&Pixel) -> [f64; N] + Sync,
+        mut set: impl FnMut(&mut Pixel, [f64; N]),
+        weight: impl Fn(&Pixel, &Pixel) -> f64 + Sync,
+    ) {
+        let (width, height) = (self.size.width as isize, self.size.height as isize);
+        let mean = |index: usize| {
+            let (x, y) = (index as isize % width, index as isize / width);
+            let (mut sum, mut total) = ([0.0; N], 0.0);
+            for (dx, dy) in (-2..=2isize).flat_map(|dy| (-2..=2isize).map(move |dx| (dx, dy))) {
+                let (x, y) = (x + dx * step, y + dy * step);
+                if (0..width).contains(&x) && (0..height).contains(&y) {
+                    let other = &self.pixels[(y * width + x) as usize];
+                    let share = SPLINE[dx.unsigned_abs()] * SPLINE[dy.unsigned_abs()];
+                    let share = share * weight(&self.pixels[index], other);
+                    let value = value(other);
+                    sum = core::array::from_fn(|k| sum[k] + share * value[k]);
+                    total += share;
+                }
+            }
+            (total > 0.0).then(|| sum.map(|sum| sum / total))
+        };
+        let means: Vec<_> = (0..self.pixels.len()).into_par_iter().map(mean).collect();
+        for (pixel, mean) in self.pixels.iter_mut().zip(means) {
+            if let Some(mean) = mean {
+                set(pixel, mean);
+            }
+        }
+    }
+}
+
+/// 1 for pixels in one plane, towards 0 as their surfaces differ.
+fn likeness(a: &Pixel, b: &Pixel) -> f64 {
+    let facing = dot(a.normal, b.normal).max(0.0).powi(16);
+    facing * falloff(dot(a.normal, sub(b.point, a.point)) / STEP_IN_DEPTH)
+}
+
+/// A bell that is 1 at 0 and 0 from 1 on.
+fn falloff(x: f64) -> f64 {
+    (1.0 - x * x).max(0.0).powi(2)
+}

@@ -1,0 +1,176 @@
+//! The default scene: a closed room with coloured walls, a square light, and shapes whose geometry is made here.
+
+pub(crate) mod shapes;
+
+use leafwalk::Mesh;
+
+use crate::camera::View;
+use crate::picture::vector::{Vector, add, cross, dot, length, mix, scale, sub, unit};
+use shapes::{Shape, bumpy_sphere};
+
+/// How a surface reflects and shines, in linear red, green and blue.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Material {
+    /// Diffuse reflectance, 0 to 1.
+    pub(crate) diffuse: [f32; 3],
+    /// Emitted radiance.
+    pub(crate) emission: [f32; 3],
+}
+
+impl Material {
+    /// Where nobody gave a material.
+    pub(crate) const NEUTRAL: Self = Self::matt(0.6, 0.6, 0.6);
+
+    pub(crate) const fn matt(red: f32, green: f32, blue: f32) -> Self {
+        Self { diffuse: [red, green, blue], emission: [0.0; 3] }
+    }
+}
+
+/// A parallelogram that shines to the side of its normal.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Light {
+    pub(crate) corner: Vector,
+    pub(crate) edges: [Vector; 2],
+    /// Emitted radiance.
+    pub(crate) radiance: Vector,
+}
+
+impl Light {
+    /// A point by its coordinates along the edges, each 0 to 1.
+    pub(crate) fn point(&self, [a, b]: [f64; 2]) -> Vector {
+        add(self.corner, add(scale(self.edges[0], a), scale(self.edges[1], b)))
+    }
+
+    /// Unit normal, on the side that shines.
+    pub(crate) fn normal(&self) -> Vector {
+        unit(self.spanned()).unwrap_or_default()
+    }
+
+    pub(crate) fn area(&self) -> f64 {
+        length(self.spanned())
+    }
+
+    /// What share of its radiance a white matt surface reflects when nothing is in between: Lambert's formula for the
+    /// form factor of a polygon, 0 to 1.
+    pub(crate) fn form_factor(&self, point: Vector, normal: Vector) -> f64 {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|place| sub(self.point(place), point));
+        if dot(self.normal(), corners[0]) >= 0.0 {
+            return 0.0;
+        }
+        let height = corners.map(|corner| dot(normal, corner));
+        // The corners above the surface's horizon, and the points where edges cross it.
+        let above = (0..4).flat_map(|k| {
+            let next = (k + 1) % 4;
+            let crosses = (height[k] > 0.0) != (height[next] > 0.0);
+            let crossing = crosses.then(|| mix(corners[k], corners[next], height[k] / (height[k] - height[next])));
+            (height[k] > 0.0).then_some(corners[k]).into_iter().chain(crossing)
+        });
+        let above: Vec<Vector> = above.filter_map(unit).collect();
+        let edges = above.iter().zip(above.iter().cycle().skip(1));
+        let sum: f64 = edges
+            .map(|(a, b)| {
+                let across = cross(*a, *b);
+                let sine = length(across);
+                if sine > 0.0 { sine.atan2(dot(*a, *b)) * dot(normal, across) / sine } else { 0.0 }
+            })
+            .sum();
+        sum.abs() / core::f64::consts::TAU
+    }
+
+    fn spanned(&self) -> Vector {
+        cross(self.edges[0], self.edges[1])
+    }
+}
+
+/// A mesh with its materials, a light that is part of the mesh, and where to look from.
+#[derive(Clone, Debug)]
+pub(crate) struct Scene {
+    /// Its material ids are indices into `materials`.
+    pub(crate) mesh: Mesh,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) light: Light,
+    pub(crate) view: View,
+}
+
+/// How finely the shapes are tessellated.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Detail {
+    /// Divisions of the bumpy sphere's icosahedron.
+    pub(crate) bumpy: u32,
+    /// Divisions of the smooth sphere's icosahedron.
+    pub(crate) smooth: u32,
+    /// Segments along the knot, and sides of its tube.
+    pub(crate) knot: [u32; 2],
+}
+
+impl Detail {
+    /// Facets of about a pixel in a picture of the default size.
+    pub(crate) const FULL: Self = Self { bumpy: 6, smooth: 5, knot: [640, 72] };
+}
+
+const ROOM: [Vector; 2] = [[-1.35, 0.0, -1.3], [1.35, 2.0, 2.6]];
+/// Shapes rest this far above what carries them, so that no surfaces touch.
+const GAP: f64 = 1e-3;
+
+const WHITE: Material = Material::matt(0.76, 0.75, 0.72);
+const RED: Material = Material::matt(0.66, 0.07, 0.05);
+const GREEN: Material = Material::matt(0.13, 0.46, 0.10);
+const CLAY: Material = Material::matt(0.80, 0.42, 0.22);
+const TEAL: Material = Material::matt(0.08, 0.40, 0.48);
+const GOLD: Material = Material::matt(0.85, 0.60, 0.16);
+const STONE: Material = Material::matt(0.62, 0.62, 0.66);
+
+impl Scene {
+    /// The room and what stands in it.
+    pub(crate) fn room(detail: Detail) -> Self {
+        let light = Light {
+            corner: [-0.42, ROOM[1][1] - 5.0 * GAP, -0.6],
+            edges: [[0.84, 0.0, 0.0], [0.0, 0.0, 0.84]],
+            radiance: [15.0, 13.2, 10.8],
+        };
+        let mut scene = Self {
+            mesh: Mesh::default(),
+            materials: Vec::new(),
+            light,
+            view: View { eye: [0.0, 1.06, 2.55], at: [0.0, 0.93, 0.0], up: View::UP, fov: 48.0 },
+        };
+        scene.add_walls();
+        let shine = Material { diffuse: [0.0; 3], emission: light.radiance.map(|c| c as f32) };
+        scene.add(Shape::quad(light.corner, light.edges[0], light.edges[1]), shine);
+
+        let (floor, pillar, pillar_at) = (ROOM[0][1] + GAP, [0.31, 0.37, 0.31], [-0.64, -0.5]);
+        scene.add(Shape::block(pillar).turned(24.0).standing(pillar_at, floor), STONE);
+        let ball = Shape::icosphere(detail.smooth).scaled(0.29);
+        scene.add(ball.standing(pillar_at, floor + 2.0 * pillar[1] + GAP), GOLD);
+
+        let [segments, sides] = detail.knot;
+        let knot = Shape::torus_knot(2, 3, 0.42, segments, sides).scaled(0.185);
+        scene.add(knot.turned(-28.0).standing([0.70, -0.42], floor), TEAL);
+
+        let bumpy = bumpy_sphere(detail.bumpy, 180, 0.09).scaled(0.27);
+        scene.add(bumpy.standing([0.06, 0.28], floor), CLAY);
+        scene
+    }
+
+    fn add_walls(&mut self) {
+        let [[left, floor, back], [right, ceiling, front]] = ROOM;
+        let (width, height, depth) = ([right - left, 0.0, 0.0], [0.0, ceiling - floor, 0.0], [0.0, 0.0, front - back]);
+        self.add(Shape::quad([left, floor, back], depth, width), WHITE);
+        self.add(Shape::quad([left, ceiling, back], width, depth), WHITE);
+        self.add(Shape::quad([left, floor, back], width, height), WHITE);
+        self.add(Shape::quad([left, floor, front], height, width), WHITE);
+        self.add(Shape::quad([left, floor, back], height, depth), RED);
+        self.add(Shape::quad([right, floor, back], depth, height), GREEN);
+    }
+
+    fn add(&mut self, shape: Shape, material: Material) {
+        let id = self.materials.iter().position(|known| *known == material).unwrap_or_else(|| {
+            self.materials.push(material);
+            self.materials.len() - 1
+        });
+        let first = self.mesh.positions.len() as u32;
+        self.mesh.positions.extend(shape.positions.iter().map(|position| position.map(|c| c as f32)));
+        self.mesh.triangles.extend(shape.triangles.iter().map(|corners| corners.map(|corner| first + corner)));
+        self.mesh.material_ids.resize(self.mesh.triangles.len(), id as u32);
+    }
+}

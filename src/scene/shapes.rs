@@ -1,0 +1,146 @@
+//! Closed triangle meshes of simple shapes, corners counter-clockwise as seen from outside.
+
+use std::collections::HashMap;
+
+use crate::picture::vector::{Vector, add, cross, dot, scale, sub, unit};
+
+/// Positions, and triangles that index them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Shape {
+    pub(crate) positions: Vec<Vector>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+}
+
+impl Shape {
+    /// A rectangle, seen from the side that `first x second` points to.
+    pub(crate) fn quad(corner: Vector, first: Vector, second: Vector) -> Self {
+        let opposite = add(add(corner, first), second);
+        Self {
+            positions: vec![corner, add(corner, first), opposite, add(corner, second)],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+        }
+    }
+
+    /// A box around the origin.
+    pub(crate) fn block(half: Vector) -> Self {
+        let positions = (0..8).map(|corner| core::array::from_fn(|k| if corner >> k & 1 == 1 { half[k] } else { -half[k] }));
+        let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        Self { positions: positions.collect(), triangles: triangles.collect() }
+    }
+
+    /// A unit sphere: an icosahedron whose triangles are cut into four `divisions` times.
+    pub(crate) fn icosphere(divisions: u32) -> Self {
+        let golden = 0.5 * (1.0 + 5f64.sqrt());
+        let rectangle = [(-1.0, golden), (1.0, golden), (-1.0, -golden), (1.0, -golden)];
+        let corners = (0..3).flat_map(|turn| {
+            rectangle.map(|(short, long)| {
+                let mut corner = [short, long, 0.0];
+                corner.rotate_right(turn);
+                corner
+            })
+        });
+        #[rustfmt::skip]
+        let mut triangles = vec![
+            [0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4], [11, 10, 2], [10, 7, 6],
+            [7, 1, 8], [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9], [4, 9, 5], [2, 4, 11], [6, 2, 10],
+            [8, 6, 7], [9, 8, 1],
+        ];
+        let mut positions: Vec<Vector> = corners.filter_map(unit).collect();
+        for _ in 0..divisions {
+            let mut middles = HashMap::new();
+            let mut middle = |a: u32, b: u32| {
+                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                    let sum = add(positions[a as usize], positions[b as usize]);
+                    positions.push(unit(sum).unwrap_or(sum));
+                    positions.len() as u32 - 1
+                })
+            };
+            let quarters = triangles.iter().flat_map(|&[a, b, c]| {
+                let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+                [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+            });
+            triangles = quarters.collect();
+        }
+        Self { positions, triangles }
+    }
+
+    /// A tube along a knot on a torus of radii 2 and 1 about the z axis: `through` times through its hole while it
+    /// winds `around` times about the axis.
+    pub(crate) fn torus_knot(around: u32, through: u32, radius: f64, segments: u32, sides: u32) -> Self {
+        let point = |turn: f64| {
+            let (winding, angle) = (turn * f64::from(around), turn * f64::from(through));
+            let from_axis = 2.0 + angle.cos();
+            [from_axis * winding.cos(), from_axis * winding.sin(), angle.sin()]
+        };
+        let angle = |step: u32, steps: u32| core::f64::consts::TAU * f64::from(step) / f64::from(steps);
+        let positions = (0..segments).flat_map(|segment| {
+            let turn = angle(segment, segments);
+            let centre = point(turn);
+            let along = unit(sub(point(turn + STEP), point(turn - STEP))).unwrap_or_default();
+            // The torus' own normal turns with the knot, so that the tube closes.
+            let winding = turn * f64::from(around);
+            let outward = sub(centre, [2.0 * winding.cos(), 2.0 * winding.sin(), 0.0]);
+            let side = cross(along, outward);
+            (0..sides).map(move |k| {
+                let (sine, cosine) = angle(k, sides).sin_cos();
+                add(centre, scale(add(scale(outward, cosine), scale(side, sine)), radius))
+            })
+        });
+        let index = |segment: u32, side: u32| segment % segments * sides + side % sides;
+        let triangles = (0..segments).flat_map(|s| {
+            (0..sides).flat_map(move |k| {
+                let [a, b, c, d] = [index(s, k), index(s + 1, k), index(s + 1, k + 1), index(s, k + 1)];
+                [[a, b, c], [a, c, d]]
+            })
+        });
+        Self { positions: positions.collect(), triangles: triangles.collect() }
+    }
+
+    /// Moves every position, which must not turn the shape inside out.
+    pub(crate) fn map(mut self, place: impl Fn(Vector) -> Vector) -> Self {
+        self.positions.iter_mut().for_each(|position| *position = place(*position));
+        self
+    }
+
+    /// Turned about the y axis, counter-clockwise as seen from above.
+    pub(crate) fn turned(self, degrees: f64) -> Self {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        self.map(|[x, y, z]| [cosine * x + sine * z, y, cosine * z - sine * x])
+    }
+
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        self.map(|position| scale(position, factor))
+    }
+
+    /// Moved so that its own origin stands over `[x, z]` and its lowest point at the height `floor`.
+    pub(crate) fn standing(self, [x, z]: [f64; 2], floor: f64) -> Self {
+        let lowest = self.positions.iter().fold(f64::INFINITY, |lowest, position| lowest.min(position[1]));
+        self.map(|position| add(position, [x, floor - lowest, z]))
+    }
+}
+
+/// Half the parameter interval of a central difference: its error, the step's square, is far below f32's.
+const STEP: f64 = 1.0 / (1 << 16) as f64;
+
+/// A unit sphere with round bumps at the points of a golden spiral.
+pub(crate) fn bumpy_sphere(divisions: u32, bumps: u32, height: f64) -> Shape {
+    let golden_angle = core::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let count = f64::from(bumps);
+    let centres: Vec<Vector> = (0..bumps)
+        .map(|bump| {
+            let y = 1.0 - (2.0 * f64::from(bump) + 1.0) / count;
+            let (sine, cosine) = (golden_angle * f64::from(bump)).sin_cos();
+            let from_axis = (1.0 - y * y).sqrt();
+            [from_axis * cosine, y, from_axis * sine]
+        })
+        .collect();
+    // Each bump has a share of the sphere of 4 pi / count, and is as wide as a disc of that area.
+    let reach = 4.0 / count;
+    Shape::icosphere(divisions).map(|direction| {
+        let nearest = centres.iter().map(|centre| dot(*centre, direction)).fold(-1.0, f64::max);
+        let from_centre = 2.0 * (1.0 - nearest) / reach;
+        let rise = (1.0 - from_centre).max(0.0);
+        scale(direction, 1.0 + height * rise * rise * (3.0 - 2.0 * rise))
+    })
+}

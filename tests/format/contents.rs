@@ -1,0 +1,217 @@
+//! Header fields, payloads, blocks, entry grid.
+
+use leafwalk::DecodeError;
+use leafwalk::wire::Header;
+use leafwalk_core::layout::{Block, MESH_MARGIN, NONE, PADDING, Payload, SMALLEST};
+
+use crate::support::edited::Edited;
+use crate::{chains, levels, refused};
+
+#[test]
+fn header_fields_are_in_range() {
+    let valid = levels();
+    let origin = |value: f64| {
+        move |header: &mut Header| header.origin[2..4].copy_from_slice(&[value.to_bits() as u32, (value.to_bits() >> 32) as u32])
+    };
+    let far = 2f64.powi(131);
+    type Edit = Box<dyn Fn(&mut Header)>;
+    let edits: [(&str, Edit); 23] = [
+        ("scale exponent", Box::new(|header| header.scale_exponent = -150)),
+        ("scale exponent", Box::new(|header| header.scale_exponent = 132)),
+        ("scale exponent", Box::new(|header| header.scale_exponent = i32::MIN)),
+        ("origin", Box::new(origin(f64::NAN))),
+        ("origin", Box::new(origin(f64::NEG_INFINITY))),
+        ("origin", Box::new(origin(far))),
+        ("origin", Box::new(origin(-far))),
+        ("padding", Box::new(|header| header.padding = 0.0)),
+        ("padding", Box::new(|header| header.padding = PADDING.next_down())),
+        ("padding", Box::new(|header| header.padding = f32::NAN)),
+        ("primitives", Box::new(|header| header.primitives = NONE)),
+        ("dropped", Box::new(|header| header.dropped = header.primitives + 1)),
+        ("collapsed", Box::new(|header| header.collapsed = header.dropped + 1)),
+        ("references", Box::new(|header| header.references += 1)),
+        ("references", Box::new(|header| header.references = u32::MAX)),
+        ("rounding", Box::new(|header| header.rounding = -1.0)),
+        ("rounding", Box::new(|header| header.rounding = f32::NAN)),
+        ("rounding", Box::new(|header| header.rounding = 1.5)),
+        ("step cost", Box::new(|header| header.step_cost = 0.0)),
+        ("step cost", Box::new(|header| header.step_cost = f32::INFINITY)),
+        ("step cost", Box::new(|header| header.step_cost = f32::NAN)),
+        ("maximum level", Box::new(|header| header.max_level = 17)),
+        ("grid bits", Box::new(|header| header.grid_bits = 9)),
+    ];
+    for (field, edit) in edits {
+        assert_eq!(refused(&valid, |file| edit(file.header())), DecodeError::Header { field });
+    }
+    // As far as they go.
+    assert!(valid.decode_with(|file| file.header().scale_exponent = -149).is_ok());
+    assert!(valid.decode_with(|file| file.header().scale_exponent = 131).is_ok());
+    assert!(valid.decode_with(|file| origin(far.next_down())(file.header())).is_ok());
+}
+
+#[track_caller]
+fn expect_bad_payload(valid: &Edited, payload: usize, edit: impl Fn(&mut Payload)) {
+    let error = refused(valid, |file| edit(&mut file.payloads()[payload]));
+    // Of the first payload of a leaf, count and chain are also the record's.
+    let in_record = matches!(error, DecodeError::BadRecord { fault: leafwalk::RecordFault::Payload, .. });
+    assert!(error == DecodeError::BadPayload { payload: payload as u32 } || in_record, "payload {payload}: {error}");
+}
+
+#[test]
+fn payloads_take_up_the_blocks_in_order() {
+    for mut valid in [levels(), chains()] {
+        let payloads = valid.payloads().to_vec();
+        for (number, payload) in payloads.iter().enumerate() {
+            for count in [0, 9, 255, payload.count ^ 1] {
+                expect_bad_payload(&valid, number, |payload| payload.count = count);
+            }
+            expect_bad_payload(&valid, number, |payload| payload.unused = 1);
+            for first in [payload.first_block.wrapping_sub(1), payload.first_block + 1, u32::MAX, u32::MAX - 7] {
+                expect_bad_payload(&valid, number, |payload| payload.first_block = first);
+            }
+            // Chains to itself, back, ahead, out of range; and cut, or made, where there is none.
+            let at = number as u32;
+            for next in [at, at.wrapping_sub(1), 0, at + 2, payloads.len() as u32, NONE - 1, at + 1, NONE] {
+                if next != payload.next && (next != at + 1 || number + 1 == payloads.len()) && next != NONE {
+                    expect_bad_payload(&valid, number, |payload| payload.next = next);
+                } else if next != payload.next {
+                    let error = refused(&valid, |file| file.payloads()[number].next = next);
+                    let named = matches!(error, DecodeError::BadRecord { .. } | DecodeError::BadPayload { .. });
+                    assert!(named, "payload {number} followed by {next}: {error}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_chain_that_ends_early_leaves_payloads_over() {
+    let mut valid = chains();
+    let payloads = valid.payloads().to_vec();
+    // The last but one of the last leaf: nothing comes after what is left over.
+    let last = payloads.len() - 2;
+    assert_ne!(payloads[last].next, NONE, "the last leaf is to be chained");
+    let expected = refused(&valid, |file| file.payloads()[last].next = NONE);
+    let words = 16 * payloads.len() as u32;
+    // A chain of two is none any more when it is cut.
+    let in_record = matches!(expected, DecodeError::BadRecord { .. });
+    let section = leafwalk::wire::Section::Payloads;
+    assert!(in_record || expected == DecodeError::SectionLength { section, words }, "{expected}");
+}
+
+#[test]
+fn boxes_hold_each_other() {
+    for mut valid in [levels(), chains()] {
+        let payloads = valid.payloads().to_vec();
+        for (number, payload) in payloads.iter().enumerate() {
+            for k in 0..3 {
+                // The tight box, inside out or shrunk past the boxes it holds.
+                if payload.upper[k] < 255 {
+                    expect_bad_payload(&valid, number, |payload| payload.lower[k] = payload.upper[k] + 1);
+                    expect_bad_payload(&valid, number, |payload| payload.block_upper[k][0] = payload.upper[k] + 1);
+                }
+                if payload.lower[k] > 0 {
+                    expect_bad_payload(&valid, number, |payload| payload.upper[k] = payload.lower[k] - 1);
+                    expect_bad_payload(&valid, number, |payload| payload.block_lower[k][0] = payload.lower[k] - 1);
+                }
+                for b in 0..usize::from(payload.count) {
+                    let (lower, upper) = (payload.block_lower[k][b], payload.block_upper[k][b]);
+                    if lower < upper {
+                        expect_bad_payload(&valid, number, |payload| payload.block_lower[k][b] = upper + 1);
+                        expect_bad_payload(&valid, number, |payload| payload.block_upper[k][b] = lower - 1);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_first_box_of_a_chain_holds_them_all() {
+    let mut valid = chains();
+    let payloads = valid.payloads().to_vec();
+    let mut tried = 0;
+    for number in (0..payloads.len()).filter(|number| payloads[*number].next != NONE) {
+        let (first, second) = (&payloads[number], &payloads[number + 1]);
+        let is_first = number == 0 || payloads[number - 1].next == NONE;
+        for k in (0..3).filter(|k| is_first && second.upper[*k] > 0) {
+            let own = first.block_upper[k][..usize::from(first.count)].iter().copied().max().unwrap();
+            if own < second.upper[k] {
+                let error = refused(&valid, |file| file.payloads()[number].upper[k] = own);
+                assert!(matches!(error, DecodeError::BadPayload { payload } if payload > number as u32), "{error}");
+                tried += 1;
+            }
+        }
+    }
+    assert!(tried > 3, "the chains are to spread beyond their first payloads: {tried}");
+}
+
+#[test]
+fn blocks_hold_triangles_of_the_mesh_inside_the_root() {
+    let mut valid = levels();
+    let blocks: Vec<Block> = valid.blocks().to_vec();
+    let primitives = valid.header().primitives;
+    let mut vacant = 0;
+    for (number, block) in blocks.iter().enumerate() {
+        for lane in 0..8 {
+            let expected = DecodeError::BadBlock { block: number as u32, lane: lane as u32 };
+            let (corner, axis) = ((number + lane) % 3, (number + lane) / 3 % 3);
+            let set = |value: f32| refused(&valid, |file| file.blocks()[number].vertices[corner][axis][lane] = value);
+            let name = |primitive: u32| refused(&valid, |file| file.blocks()[number].primitives[lane] = primitive);
+            if block.primitives[lane] == NONE {
+                vacant += 1;
+                for value in [1.0, SMALLEST, f32::from_bits(1), f32::NAN] {
+                    assert_eq!(set(value), expected);
+                }
+                // Zeros are outside the mesh's margin.
+                assert_eq!(name(0), expected);
+                continue;
+            }
+            let outside = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, -0.0, 0.0, f32::from_bits(1), SMALLEST, 1.0, 2.0];
+            let in_margin = [MESH_MARGIN.next_down(), (1.0 - MESH_MARGIN).next_up()];
+            for value in outside.into_iter().chain(in_margin) {
+                assert_eq!(set(value), expected, "{value}");
+            }
+            for primitive in [primitives, NONE - 1, NONE] {
+                assert_eq!(name(primitive), expected, "{primitive}");
+            }
+        }
+    }
+    assert!(vacant > 20, "blocks are to have vacant lanes");
+    // A triangle taken out whole: the header counts it.
+    let error = refused(&valid, |file| {
+        let block = &mut file.blocks()[0];
+        block.primitives[0] = NONE;
+        block.vertices.as_flattened_mut().iter_mut().for_each(|axis| axis[0] = 0.0);
+    });
+    assert_eq!(error, DecodeError::Header { field: "references" });
+}
+
+#[test]
+fn the_entry_grid_names_the_node_of_each_cell() {
+    let mut valid = levels();
+    let grid = valid.grid().to_vec();
+    assert!(grid.len() >= 8);
+    let records = valid.records().to_vec();
+    for (entry, &number) in (0..).zip(&grid) {
+        let expected = DecodeError::BadGrid { entry };
+        let neighbour = grid.iter().copied().find(|other| *other != number).unwrap();
+        let children = records[number as usize].offset;
+        let is_inner = records[number as usize].head().is_inner();
+        let mut others = vec![0, 1, 7, neighbour, number ^ 7, records.len() as u32, u32::MAX];
+        others.extend(is_inner.then_some(children));
+        for other in others {
+            assert_eq!(refused(&valid, |file| file.grid()[entry as usize] = other), expected, "{other}");
+        }
+    }
+    let words = grid.len() as u32;
+    for bits in (0..=8).filter(|bits| 1 << (3 * bits) != words) {
+        let error = refused(&valid, |file| file.header().grid_bits = bits);
+        assert_eq!(error, DecodeError::SectionLength { section: leafwalk::wire::Section::Grid, words });
+    }
+    // A coarser grid is as good, if it is right: the root alone.
+    let mut coarser = valid.clone();
+    coarser.header().grid_bits = 0;
+    coarser.replace(leafwalk::wire::Section::Grid, &[0]);
+    assert!(coarser.decode().is_ok());
+}

@@ -1,0 +1,30 @@
+//! P6: whatever is wrong with the words, decoding says so, by name and number; and what it accepts is as it was.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod contents;
+mod links;
+mod preamble;
+mod round_trip;
+mod tree;
+
+use leafwalk::{Builder, DecodeError, Octree};
+use support::edited::Edited;
+use support::meshes;
+
+/// Levels 0 to 6 or so, with neighbours of the same size, coarser and finer.
+fn levels() -> Edited {
+    Edited::new(&Builder::new().step_cost(0.5).max_level(6).build(&meshes::soup(40, 21)).unwrap())
+}
+
+/// Eight leaves of over 64 triangles each: chained payloads.
+fn chains() -> Edited {
+    Edited::new(&Builder::new().step_cost(0.5).max_level(1).build(&meshes::soup(1500, 22)).unwrap())
+}
+
+/// Decodes after an edit, and expects an error.
+#[track_caller]
+fn refused(valid: &Edited, edit: impl FnOnce(&mut Edited)) -> DecodeError {
+    valid.decode_with(edit).map(Octree::into_words).expect_err("the edit must be refused")
+}

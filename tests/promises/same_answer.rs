@@ -1,0 +1,142 @@
+//! P2: an octree gives what testing every triangle gives, all bits.
+
+use leafwalk::{Builder, CpuTracer, Hit, Mesh, Ray, Tracer, Work};
+use leafwalk_core::Standard;
+use leafwalk_core::step::{Pluecker, Slab};
+
+use crate::scenes::{self, Scene};
+use crate::support::random::Random;
+use crate::support::{meshes, rays};
+use crate::tally::{Any, Tally, bits, scaled, tally};
+use crate::variants::Stepping;
+
+/// Where the rays that tracers must agree on come from.
+pub trait Source: Sync {
+    /// A ray, of numbers that depend on nothing but the seed and the index.
+    fn ray(&self, random: &mut Random) -> Ray;
+}
+
+impl<F: Fn(&mut Random) -> Ray + Sync> Source for F {
+    fn ray(&self, random: &mut Random) -> Ray {
+        self(random)
+    }
+}
+
+/// Rays of every hard kind at a mesh.
+pub fn hard(mesh: &Mesh) -> impl Source + use<'_> {
+    let (centre, size) = rays::extent(mesh);
+    move |random: &mut Random| rays::hard(mesh, centre, size, random)
+}
+
+/// The rays on which a tracer differs from another that is right; half of the hits are traced with the ray cut next to
+/// them instead.
+pub fn differences(tracers: &[Any<'_>], oracle: Any<'_>, source: &impl Source, count: u64, seed: u64) -> Tally {
+    tally(count, |indices, tally| {
+        let mut randoms: Vec<Random> = indices.clone().map(|index| Random::new(seed, index)).collect();
+        let mut rays: Vec<Ray> = randoms.iter_mut().map(|random| source.ray(random)).collect();
+        let mut expected = vec![Hit::MISS; rays.len()];
+        let mut found = expected.clone();
+        let mut occluded = vec![false; rays.len()];
+        oracle.closest_hits(&rays, &mut expected).expect("equal lengths");
+        // Cut twice, a ray may be left with the gap between two hits.
+        for _ in 0..2 {
+            for ((ray, hit), random) in rays.iter_mut().zip(&mut expected).zip(&mut randoms) {
+                if !hit.is_miss() && random.below(3) == 0 {
+                    *ray = rays::cut(ray, hit.t, random);
+                    oracle.closest_hits(&[*ray], core::slice::from_mut(hit)).expect("equal lengths");
+                }
+            }
+        }
+        for hit in &expected {
+            tally.hit(!hit.is_miss());
+        }
+        for (number, tracer) in tracers.iter().enumerate() {
+            tracer.closest_hits(&rays, &mut found).expect("equal lengths");
+            tracer.occlusions(&rays, &mut occluded).expect("equal lengths");
+            for (i, index) in indices.clone().enumerate() {
+                if bits(&found[i]) != bits(&expected[i]) || occluded[i] == expected[i].is_miss() {
+                    tally.fault(index, || {
+                        let (found, occluded, expected) = (found[i], occluded[i], expected[i]);
+                        let ray = rays::hex(&rays[i]);
+                        let place = format!("tracer {number}, seed {seed}, ray {index}");
+                        format!("{place}: {found:?}, occluded {occluded}, expected {expected:?}\n{ray}")
+                    });
+                }
+            }
+        }
+    })
+}
+
+/// The octree, by both kinds of step, against testing every triangle.
+fn compare(name: &str, mesh: &Mesh, count: u64, seed: u64) {
+    compare_scene(name, &Scene::new(mesh), mesh, count, seed);
+}
+
+fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) {
+    let parts = scene.octree.parts();
+    let slab = Stepping::<Slab, Standard>::new(&parts);
+    let pluecker = Stepping::<Pluecker, Standard>::new(&parts);
+    let tracers: [Any<'_>; 3] = [&scene.octree, &slab, &pluecker];
+    differences(&tracers, &scene.brute_force, &hard(mesh), scaled(count), seed).passes(name, 0.05);
+}
+
+#[test]
+fn healthy_meshes() {
+    compare("icosphere", &meshes::icosphere(3), 20_000, 1);
+    compare("bumpy sphere", &meshes::bumpy_sphere(3, 7), 20_000, 2);
+}
+
+#[test]
+fn nasty_meshes() {
+    compare("needle box", &meshes::needle_box(30), 20_000, 3);
+    compare("turned needle box", &meshes::turned(&meshes::needle_box(30)), 20_000, 3);
+    compare("soup", &meshes::soup(1500, 4), 20_000, 4);
+    compare("walls", &meshes::walls(200, 5), 20_000, 5);
+}
+
+#[test]
+fn small_huge_and_needle_triangles() {
+    compare("specks", &meshes::shards(2000, 1e-7..1e-5, 1.0, 10), 20_000, 10);
+    compare("giants", &meshes::shards(500, 1.0..4.0, 1.0, 11), 20_000, 11);
+    compare("needles", &meshes::shards(1500, 1e-3..4.0, 1e6, 12), 20_000, 12);
+}
+
+#[test]
+fn scaled_and_moved_meshes() {
+    for (scale, offset) in [(1e-3, 0.0), (1e3, 0.0), (1.0, 1e4), (1e-3, 10.0)] {
+        let mesh = meshes::placed(&meshes::soup(1000, 8), scale, offset);
+        compare(&format!("soup x {scale} + {offset}"), &mesh, 20_000, 8);
+    }
+}
+
+#[test]
+fn real_scenes() {
+    if let Some((mesh, scene)) = scenes::dragon("P2 on the dragon") {
+        compare_scene("dragon", scene, mesh, 200, 21);
+    }
+    if let Some((mesh, scene)) = scenes::conference("P2 in the conference room") {
+        compare_scene("conference room", scene, mesh, 200, 22);
+    }
+}
+
+#[test]
+fn batches_give_what_single_calls_give() {
+    let mesh = meshes::soup(300, 9);
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
+    let tracer = CpuTracer::new(octree.view());
+    let source = hard(&mesh);
+    let rays: Vec<Ray> = (0..10_000).map(|i| source.ray(&mut Random::new(9, i))).collect();
+    let mut hits = vec![Hit::MISS; rays.len()];
+    let mut occluded = vec![false; rays.len()];
+    let mut worked = vec![(Hit::MISS, Work::default()); rays.len()];
+    tracer.closest_hits(&rays, &mut hits).expect("equal lengths");
+    tracer.occlusions(&rays, &mut occluded).expect("equal lengths");
+    tracer.closest_hits_with_work(&rays, &mut worked).expect("equal lengths");
+    for (i, ray) in rays.iter().enumerate() {
+        let single = bits(&octree.closest_hit(ray).unwrap_or(Hit::MISS));
+        assert_eq!(single, bits(&hits[i]), "{}", rays::hex(ray));
+        assert_eq!(single, bits(&worked[i].0), "{}", rays::hex(ray));
+        assert_eq!(octree.occluded(ray), occluded[i], "{}", rays::hex(ray));
+    }
+    assert!(hits.iter().any(|hit| !hit.is_miss()));
+}

@@ -1,0 +1,48 @@
+//! Meshes with what traces them; the real ones are loaded once for all tests.
+
+use std::sync::OnceLock;
+
+use leafwalk::{BruteForce, Builder, Mesh, Octree};
+
+/// A mesh's octree, and its oracle.
+pub struct Scene {
+    pub octree: Octree<Vec<u32>>,
+    pub brute_force: BruteForce,
+}
+
+impl Scene {
+    pub fn new(mesh: &Mesh) -> Self {
+        let octree = Builder::new().build(mesh).expect("a mesh that builds");
+        Self { octree, brute_force: BruteForce::new(mesh).expect("the same mesh") }
+    }
+}
+
+type Real = OnceLock<(Mesh, Scene)>;
+
+/// The dragon: 871,414 small triangles, closed.
+pub fn dragon(purpose: &str) -> Option<&'static (Mesh, Scene)> {
+    static DRAGON: Real = Real::new();
+    load(&DRAGON, "dragon.ply.gz", purpose)
+}
+
+/// The conference room: large triangles among small ones.
+pub fn conference(purpose: &str) -> Option<&'static (Mesh, Scene)> {
+    static CONFERENCE: Real = Real::new();
+    load(&CONFERENCE, "conference.obj.gz", purpose)
+}
+
+#[cfg(feature = "mesh-files")]
+fn load(cache: &'static Real, file: &str, purpose: &str) -> Option<&'static (Mesh, Scene)> {
+    let path = crate::support::scenes::real(file, purpose)?;
+    Some(cache.get_or_init(|| {
+        let mesh = leafwalk::mesh_file::load(&path).expect("a readable scene").mesh;
+        let scene = Scene::new(&mesh);
+        (mesh, scene)
+    }))
+}
+
+#[cfg(not(feature = "mesh-files"))]
+fn load(_: &'static Real, file: &str, purpose: &str) -> Option<&'static (Mesh, Scene)> {
+    println!("skipped: {purpose}: {file} takes the feature mesh-files");
+    None
+}

@@ -1,0 +1,122 @@
+//! Tracers that differ from the one that serves: by the kind of step, by the policy, by the arithmetic of the triangle
+//! test. Whatever the variant, the suite is the same.
+
+use core::marker::PhantomData;
+
+use leafwalk::{CanonicalRay, Frame, Hit, LengthMismatch, Octree, Parts, Ray, Tracer};
+use leafwalk_core::lanes::Lanes;
+use leafwalk_core::step::Step;
+use leafwalk_core::triangle::{Shear, intersect};
+use leafwalk_core::{Policy, Walk};
+
+/// Implements [`Tracer`] by a method `answer(&self, &Ray) -> Option<Hit>`.
+macro_rules! tracer {
+    ($name:ident<$($kind:ident: $bound:path),*>) => {
+        impl<$($kind: $bound),*> Tracer for $name<'_, $($kind),*> {
+            type Error = LengthMismatch;
+
+            fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
+                LengthMismatch::check(rays.len(), hits.len())?;
+                for (ray, hit) in rays.iter().zip(hits) {
+                    *hit = self.answer(ray).unwrap_or(Hit::MISS);
+                }
+                Ok(())
+            }
+
+            fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
+                LengthMismatch::check(rays.len(), occluded.len())?;
+                for (ray, occluded) in rays.iter().zip(occluded) {
+                    *occluded = self.is_occluded(ray);
+                }
+                Ok(())
+            }
+        }
+    };
+}
+
+/// The scalar walk by a kind of step, under a policy.
+pub struct Stepping<'a, S, P>(Walk<'a, S, P>);
+
+impl<'a, S: Step, P: Policy> Stepping<'a, S, P> {
+    pub fn new(parts: &'a Parts<'a>) -> Self {
+        Self(Walk::with(parts))
+    }
+
+    fn answer(&self, ray: &Ray) -> Option<Hit> {
+        self.0.closest_hit(ray)
+    }
+
+    fn is_occluded(&self, ray: &Ray) -> bool {
+        self.0.occluded(ray)
+    }
+}
+tracer!(Stepping<S: Step, P: Policy>);
+
+/// Every triangle that an octree lists, tested by any arithmetic.
+pub struct Every<'a, L> {
+    frame: Frame,
+    triangles: Vec<(u32, [[f32; 3]; 3])>,
+    kind: PhantomData<&'a L>,
+}
+
+impl<L: Lanes<Mask = bool, Bits = u32>> Every<'_, L> {
+    pub fn of<W: AsRef<[u32]>>(octree: &Octree<W>) -> Self {
+        let parts = octree.parts();
+        let mut triangles: Vec<_> = parts.leaves().flat_map(|(_, leaf)| parts.triangles_of(leaf)).collect();
+        triangles.sort_unstable_by_key(|(primitive, _)| *primitive);
+        triangles.dedup_by_key(|(primitive, _)| *primitive);
+        Self { frame: parts.frame, triangles, kind: PhantomData }
+    }
+
+    fn answer(&self, ray: &Ray) -> Option<Hit> {
+        closest::<L>(&self.frame.canonical(ray)?, self.triangles.iter().copied())
+    }
+
+    fn is_occluded(&self, ray: &Ray) -> bool {
+        self.answer(ray).is_some()
+    }
+}
+tracer!(Every<L: ScalarLanes>);
+
+/// The triangles of the leaves that a walk visits, tested by any arithmetic.
+pub struct Visited<'a, L> {
+    parts: &'a Parts<'a>,
+    kind: PhantomData<L>,
+}
+
+impl<'a, L: Lanes<Mask = bool, Bits = u32>> Visited<'a, L> {
+    pub fn of(parts: &'a Parts<'a>) -> Self {
+        Self { parts, kind: PhantomData }
+    }
+
+    fn answer(&self, ray: &Ray) -> Option<Hit> {
+        let mut triangles = Vec::new();
+        Walk::new(self.parts).visit(ray, |record, _| {
+            triangles.extend(self.parts.triangles_of(&self.parts.records[record as usize]));
+        });
+        closest::<L>(&self.parts.frame.canonical(ray)?, triangles.into_iter())
+    }
+
+    fn is_occluded(&self, ray: &Ray) -> bool {
+        self.answer(ray).is_some()
+    }
+}
+tracer!(Visited<L: ScalarLanes>);
+
+/// Lanes of one number.
+pub trait ScalarLanes: Lanes<Mask = bool, Bits = u32> {}
+impl<L: Lanes<Mask = bool, Bits = u32>> ScalarLanes for L {}
+
+/// The smallest (t', primitive) of the triangles that a canonical ray hits.
+fn closest<L: ScalarLanes>(ray: &CanonicalRay, triangles: impl Iterator<Item = (u32, [[f32; 3]; 3])>) -> Option<Hit> {
+    let number = |x: L| f32::from_bits(x.bits());
+    let (shear, axes) = Shear::<L>::new(ray);
+    let hit = |(primitive, corners): (u32, [[f32; 3]; 3])| {
+        let (accepted, found) = intersect(&shear, corners.map(|corner| axes.map(|axis| L::splat(corner[axis]))));
+        let t = number(found.t);
+        let hit = Hit { t, u: number(found.u), v: number(found.v), primitive };
+        (accepted && ray.t_min < t && t < ray.t_max).then_some(hit)
+    };
+    let order = |a: &Hit, b: &Hit| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive));
+    triangles.filter_map(hit).min_by(order).map(|hit| Hit { t: ray.reported(hit.t), ..hit })
+}

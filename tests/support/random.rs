@@ -1,0 +1,58 @@
+//! Random numbers keyed by seed and index, so that a case depends on neither threads nor order.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+/// The numbers of one case.
+pub struct Random(ChaCha8Rng);
+
+impl Random {
+    pub fn new(seed: u64, index: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(index);
+        Self(rng)
+    }
+
+    pub fn bits(&mut self) -> u32 {
+        self.0.next_u32()
+    }
+
+    /// In 0..1, a multiple of 2^-24.
+    pub fn unit(&mut self) -> f32 {
+        (self.bits() >> 8) as f32 / (1 << 24) as f32
+    }
+
+    /// In -1..1.
+    pub fn signed(&mut self) -> f32 {
+        2.0 * self.unit() - 1.0
+    }
+
+    /// In 0..n.
+    pub fn below(&mut self, n: usize) -> usize {
+        ((u64::from(self.bits()) * n as u64) >> 32) as usize
+    }
+
+    pub fn vector(&mut self) -> [f32; 3] {
+        core::array::from_fn(|_| self.signed())
+    }
+
+    /// A direction of no particular length, never zero.
+    pub fn direction(&mut self) -> [f32; 3] {
+        loop {
+            let d = self.vector();
+            let squared: f32 = d.iter().map(|c| c * c).sum();
+            if squared > 0.01 && squared <= 1.0 {
+                return d;
+            }
+        }
+    }
+
+    /// `x`, or one of its neighbouring floats.
+    pub fn nudge(&mut self, x: f32) -> f32 {
+        match self.below(3) {
+            0 => x.next_down(),
+            1 => x,
+            _ => x.next_up(),
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! The four kinds of rays that benches measure with: primary, shadow, bounce, random.
+
+use leafwalk::{Aabb, BruteForce, Hit, Octree, Ray, Tracer};
+
+use super::meshes::{cross, dot, sub};
+use super::random::Random;
+use super::rays;
+
+/// A batch of rays of one kind.
+pub struct Workload {
+    /// `P`, `S`, `D` or `R`.
+    pub name: &'static str,
+    pub rays: Vec<Ray>,
+    /// Only whether something is hit matters.
+    pub is_occlusion: bool,
+}
+
+/// All four, for a scene; `side` squared primary rays, and as many of the others as hits allow.
+pub fn all<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &leafwalk::Mesh, inside: bool, side: u32) -> Vec<Workload> {
+    let bounds = octree.bounds();
+    let primary = if inside { panorama(&bounds, side) } else { rays::primary(&bounds, side) };
+    let mut hits = vec![Hit::MISS; primary.len()];
+    octree.closest_hits(&primary, &mut hits).expect("equal lengths");
+    let surface = |i: usize| {
+        let hit = hits[i];
+        (!hit.is_miss()).then(|| lifted(mesh, &primary[i], &hit))
+    };
+    let light = point(&bounds, [0.5, 0.95, 0.5]);
+    let towards_light = |(p, _): ([f32; 3], [f32; 3])| Ray::between(p, sub(light, p), 0.0, 1.0);
+    let shadow = (0..primary.len()).filter_map(surface).map(towards_light).collect();
+    let bounce = (0..primary.len())
+        .filter_map(|i| surface(i).map(|(p, n)| Ray::new(p, cosine(n, &mut Random::new(11, i as u64)))))
+        .collect();
+    let random = (0..primary.len()).map(|i| chord(&bounds, &mut Random::new(12, i as u64))).collect();
+    vec![
+        Workload { name: "P", rays: primary, is_occlusion: false },
+        Workload { name: "S", rays: shadow, is_occlusion: true },
+        Workload { name: "D", rays: bounce, is_occlusion: false },
+        Workload { name: "R", rays: random, is_occlusion: false },
+    ]
+}
+
+fn point(bounds: &Aabb, at: [f64; 3]) -> [f32; 3] {
+    core::array::from_fn(|k| (bounds.lower[k] + at[k] * (bounds.upper[k] - bounds.lower[k])) as f32)
+}
+
+/// Rays in all directions from a point inside, row by row in 8 x 8 tiles.
+fn panorama(bounds: &Aabb, side: u32) -> Vec<Ray> {
+    let eye = point(bounds, [0.45, 0.5, 0.55]);
+    let tiles = side / 8;
+    let at = |i: u32| {
+        let (tile, within) = (i / 64, i % 64);
+        let (x, y) = (tile % tiles * 8 + within % 8, tile / tiles * 8 + within / 8);
+        let (x, y) = (x as f32 / side as f32 - 0.5, y as f32 / side as f32 - 0.5);
+        Ray::new(eye, [x * 1.6, y * 1.2, -1.0])
+    };
+    (0..side * side).map(at).collect()
+}
+
+/// The hit point, lifted off the surface towards the ray's origin, and the normal on that side.
+fn lifted(mesh: &leafwalk::Mesh, ray: &Ray, hit: &Hit) -> ([f32; 3], [f32; 3]) {
+    let [a, b, c] = mesh.corners(hit.primitive as usize);
+    let mut n = cross(sub(b, a), sub(c, a));
+    if dot(n, ray.direction) > 0.0 {
+        n = n.map(|c| -c);
+    }
+    let length = dot(n, n).sqrt().max(f32::MIN_POSITIVE);
+    let n = n.map(|c| c / length);
+    let p: [f32; 3] = core::array::from_fn(|k| a[k] + hit.u * (b[k] - a[k]) + hit.v * (c[k] - a[k]));
+    let reach = p.iter().fold(0f32, |most, c| most.max(c.abs())) * 1e-5;
+    (core::array::from_fn(|k| p[k] + reach * n[k]), n)
+}
+
+fn cosine(n: [f32; 3], random: &mut Random) -> [f32; 3] {
+    loop {
+        let v = random.vector();
+        let squared = dot(v, v);
+        if squared > 1e-4 && squared <= 1.0 {
+            let scale = 0.999 / squared.sqrt();
+            return core::array::from_fn(|k| n[k] + scale * v[k]);
+        }
+    }
+}
+
+/// A chord of the bounding sphere.
+fn chord(bounds: &Aabb, random: &mut Random) -> Ray {
+    let centre = point(bounds, [0.5; 3]);
+    let radius = 0.5 * (0..3).map(|k| (bounds.upper[k] - bounds.lower[k]).powi(2)).sum::<f64>().sqrt() as f32;
+    let mut on_sphere = || {
+        let v = random.direction();
+        let scale = radius / dot(v, v).sqrt();
+        core::array::from_fn(|k| centre[k] + scale * v[k])
+    };
+    let (a, b): ([f32; 3], [f32; 3]) = (on_sphere(), on_sphere());
+    Ray::new(a, sub(b, a))
+}
+
+/// The hits of every n-th ray that brute force gives, to assert answers by.
+pub fn sample(oracle: &BruteForce, rays: &[Ray], every: usize) -> Vec<(usize, Option<Hit>)> {
+    (0..rays.len()).step_by(every).map(|i| (i, oracle.closest_hit(&rays[i]))).collect()
+}
