@@ -47,10 +47,7 @@ impl Rival for Scalar<'_> {
 
 fn obvhs_triangles(mesh: &Mesh) -> Vec<Triangle> {
     let corner = |p: [f32; 3]| glam::Vec3A::from_array(p);
-    (0..mesh.triangles.len())
-        .map(|i| mesh.corners(i).map(corner))
-        .map(|[v0, v1, v2]| Triangle { v0, v1, v2 })
-        .collect()
+    (0..mesh.triangles.len()).map(|i| mesh.corners(i).map(corner)).map(|[v0, v1, v2]| Triangle { v0, v1, v2 }).collect()
 }
 
 fn obvhs_ray(ray: &Ray) -> obvhs::ray::Ray {
@@ -85,9 +82,8 @@ impl Rival for Cwbvh {
         rays.iter().filter(trace).count()
     }
     fn occluded(&self, rays: &[Ray]) -> usize {
-        let trace = |ray: &&Ray| {
-            !self.bvh.ray_traverse_miss(obvhs_ray(ray), |ray, id| self.triangles[id].intersect(ray))
-        };
+        let trace =
+            |ray: &&Ray| !self.bvh.ray_traverse_miss(obvhs_ray(ray), |ray, id| self.triangles[id].intersect(ray));
         rays.iter().filter(trace).count()
     }
 }
@@ -119,9 +115,8 @@ impl Rival for Binary {
         rays.iter().filter(trace).count()
     }
     fn occluded(&self, rays: &[Ray]) -> usize {
-        let trace = |ray: &&Ray| {
-            !self.bvh.ray_traverse_miss(obvhs_ray(ray), |ray, id| self.triangles[id].intersect(ray))
-        };
+        let trace =
+            |ray: &&Ray| !self.bvh.ray_traverse_miss(obvhs_ray(ray), |ray, id| self.triangles[id].intersect(ray));
         rays.iter().filter(trace).count()
     }
 }

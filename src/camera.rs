@@ -215,3 +215,80 @@ impl fmt::Display for CameraError {
 }
 
 impl core::error::Error for CameraError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn direction(camera: &Camera, x: f64, y: f64) -> Vector {
+        camera.ray(x, y).direction.map(f64::from)
+    }
+
+    #[test]
+    fn rays_go_through_their_pixels() {
+        let view = View { eye: [1.0, 2.0, 3.0], at: [1.0, 2.0, -7.0], up: View::UP, fov: 90.0 };
+        let camera = Camera::new(&view, Size { width: 200, height: 100 }).expect("a camera");
+        assert_eq!(camera.ray(0.0, 0.0).origin, [1.0, 2.0, 3.0]);
+        assert_eq!(direction(&camera, 100.0, 50.0), [0.0, 0.0, -1.0]);
+        let [upper, right] = [direction(&camera, 100.0, 0.0), direction(&camera, 200.0, 50.0)];
+        let expected = [[0.0, 0.5f64.sqrt(), -0.5f64.sqrt()], [2.0 / 5f64.sqrt(), 0.0, -1.0 / 5f64.sqrt()]];
+        for (ray, expected) in [upper, right].into_iter().zip(expected) {
+            assert!(length(sub(ray, expected)) < 1e-6, "{ray:?}, not {expected:?}");
+        }
+    }
+
+    #[test]
+    fn a_framed_box_is_whole_and_large_in_the_picture() {
+        let boxes = [
+            Aabb { lower: [-1.0; 3], upper: [1.0; 3] },
+            Aabb { lower: [1e5, 0.0, 0.0], upper: [1e5 + 1.0, 20.0, 1.0] },
+            Aabb { lower: [-3e-6, -1e-6, -1e-7], upper: [3e-6, 1e-6, 1e-7] },
+            Aabb { lower: [0.0; 3], upper: [1e20, 1.0, 1e20] },
+        ];
+        for (bounds, size) in boxes.iter().zip([(960, 720), (100, 1000), (1000, 100), (64, 64)]) {
+            let size = Size { width: size.0, height: size.1 };
+            let view = View::framing(bounds, View::FOV, size.aspect());
+            let camera = Camera::new(&view, size).expect("a camera");
+            let [right, up, back] = camera.basis();
+            let place = |corner: u32| {
+                let at = |k: usize| if corner >> k & 1 == 1 { bounds.upper[k] } else { bounds.lower[k] };
+                let from_eye = sub([0, 1, 2].map(at), view.eye);
+                let depth = -dot(from_eye, back) * view.tangent();
+                assert!(depth > 0.0, "{bounds:?}: corner {corner} is behind the camera");
+                (dot(from_eye, right).abs() / depth / size.aspect()).max(dot(from_eye, up).abs() / depth)
+            };
+            let outermost = (0..8).map(place).fold(0.0, f64::max);
+            assert!((0.9..1.0).contains(&outermost), "{bounds:?}: the outermost corner is at {outermost}");
+        }
+    }
+
+    #[test]
+    fn nothing_and_a_point_can_be_framed() {
+        let nothing = Aabb { lower: [f64::INFINITY; 3], upper: [f64::NEG_INFINITY; 3] };
+        let point = Aabb { lower: [7.0; 3], upper: [7.0; 3] };
+        for bounds in [nothing, point] {
+            let view = View::framing(&bounds, View::FOV, 1.0);
+            assert!(Camera::new(&view, Size::DEFAULT).is_ok(), "{bounds:?}: {view:?}");
+        }
+    }
+
+    #[test]
+    fn views_that_show_nothing_are_refused() {
+        let view = View { eye: [0.0, 0.0, 5.0], at: [0.0; 3], up: View::UP, fov: 40.0 };
+        let refused = |view: View| Camera::new(&view, Size::DEFAULT).expect_err("no camera");
+        assert!(Camera::new(&view, Size::DEFAULT).is_ok());
+        for degrees in [0.0, -1.0, 180.0, f64::INFINITY] {
+            assert_eq!(refused(View { fov: degrees, ..view }), CameraError::FieldOfView { degrees });
+        }
+        assert!(matches!(refused(View { fov: f64::NAN, ..view }), CameraError::FieldOfView { .. }));
+        assert_eq!(refused(View { at: view.eye, ..view }), CameraError::NoDirection { eye: view.eye });
+        for up in [[0.0; 3], [0.0, 0.0, -2.0], [0.0, 1e-6, 1.0]] {
+            assert_eq!(refused(View { up, ..view }), CameraError::UpAlongView { up });
+        }
+        let far = [1e39, 0.0, 0.0];
+        assert_eq!(refused(View { eye: far, ..view }), CameraError::NonFinite { what: "eye", point: far });
+        for (width, height) in [(0, 1), (1, 0), (Size::MOST + 1, 1), (1, u32::MAX)] {
+            assert_eq!(Size::new(width, height), Err(CameraError::Size { width, height }));
+        }
+    }
+}

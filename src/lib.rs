@@ -40,3 +40,8 @@ pub use leafwalk_cpu::{
 #[doc(hidden)]
 pub use octree_file::write_octree;
 pub use octree_file::{FileError, load, save};
+
+/// The README's example is a test too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -151,3 +151,57 @@ pub(crate) fn to_display(colour: Vector) -> [u8; 3] {
         (encoded * 255.0 + 0.5) as u8
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_cover_rows_columns_and_cells() {
+        for pixel in 0..100 {
+            let jitter = Draws::new(pixel, 0).point();
+            let places = [0, 1, 2, 3].map(|sample| in_cell(jitter, sample));
+            let taken =
+                |bin: &dyn Fn([f64; 2]) -> usize| places.iter().fold(0, |taken, place| taken | 1 << bin(*place));
+            assert_eq!(taken(&|[x, _]| (x * 4.0) as usize), 0b1111, "columns of {places:?}");
+            assert_eq!(taken(&|[_, y]| (y * 4.0) as usize), 0b1111, "rows of {places:?}");
+            assert_eq!(taken(&|[x, y]| (x * 2.0) as usize + 2 * (y * 2.0) as usize), 0b1111, "cells of {places:?}");
+        }
+    }
+
+    #[test]
+    fn draws_differ_between_pixels_and_waves_and_repeat() {
+        let point = |pixel, wave| Draws::new(pixel, wave).point();
+        assert_eq!(point(5, 1), point(5, 1));
+        assert_ne!(point(5, 1), point(5, 2));
+        assert_ne!(point(5, 1), point(6, 1));
+        let count = 10_000;
+        let sum = (0..count).fold([0.0; 2], |[x, y], pixel| {
+            let [a, b] = point(pixel, 0);
+            [x + a, y + b]
+        });
+        // The mean of so many has a deviation of 0.003.
+        assert!(sum.iter().all(|sum| (sum / count as f64 - 0.5).abs() < 0.015), "{sum:?}");
+    }
+
+    #[test]
+    fn batches_cover_every_pixel_once_in_whole_rows() {
+        for (width, height, samples) in [(960, 720, 4), (1, 1, 4), (16384, 3, 4), (7, 16384, 1)] {
+            let size = Size { width, height };
+            let mut end = 0;
+            for batch in batches(size, samples) {
+                assert_eq!(batch.start, end);
+                assert!(!batch.is_empty() && batch.end.is_multiple_of(width as usize));
+                end = batch.end;
+            }
+            assert_eq!(end, size.pixels());
+        }
+    }
+
+    #[test]
+    fn linear_colours_are_encoded_as_srgb() {
+        assert_eq!(to_display([0.0, 1.0, 2.0]), [0, 255, 255]);
+        // Mid-grey, and one from the linear part of the curve.
+        assert_eq!(to_display([0.214_041, 0.002, -1.0]), [128, 7, 0]);
+    }
+}

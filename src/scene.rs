@@ -174,3 +174,63 @@ impl Scene {
         self.mesh.material_ids.resize(self.mesh.triangles.len(), id as u32);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lambert's formula for a surface element that faces a rectangle's corner straight on.
+    fn corner_form_factor(x: f64, y: f64) -> f64 {
+        let part = |a: f64, b: f64| a / (1.0 + a * a).sqrt() * (b / (1.0 + a * a).sqrt()).atan();
+        (part(x, y) + part(y, x)) / core::f64::consts::TAU
+    }
+
+    #[test]
+    fn the_form_factor_is_that_of_the_part_above_the_horizon() {
+        let light = Light { corner: [-1.0, 1.0, -2.0], edges: [[2.0, 0.0, 0.0], [0.0, 0.0, 4.0]], radiance: [1.0; 3] };
+        assert_eq!((light.normal(), light.area()), ([0.0, -1.0, 0.0], 8.0));
+        let facing = light.form_factor([0.0; 3], [0.0, 1.0, 0.0]);
+        assert!((facing - 4.0 * corner_form_factor(1.0, 2.0)).abs() < 1e-12, "{facing}");
+        assert_eq!(light.form_factor([0.0; 3], [0.0, -1.0, 0.0]), 0.0);
+        assert_eq!(light.form_factor([0.0, 1.5, 0.0], [0.0, -1.0, 0.0]), 0.0, "behind the light");
+
+        // A tilted surface, whose horizon cuts the light in two: summed over small patches.
+        let normal = unit([0.9, 0.2, 0.3]).expect("a direction");
+        let steps = 400;
+        let patches = (0..steps * steps).map(|patch| {
+            let place = [patch % steps, patch / steps].map(|c| (f64::from(c) + 0.5) / f64::from(steps));
+            let to_light = light.point(place);
+            let cosines = dot(normal, to_light).max(0.0) * to_light[1];
+            cosines / (core::f64::consts::PI * dot(to_light, to_light).powi(2))
+        });
+        let summed = patches.sum::<f64>() * light.area() / f64::from(steps * steps);
+        let exact = light.form_factor([0.0; 3], normal);
+        assert!((exact - summed).abs() < 1e-4, "{exact}, summed {summed}");
+    }
+
+    #[test]
+    fn the_room_is_closed_and_its_shapes_stand_apart() {
+        let scene = Scene::room(Detail::FULL);
+        let mesh = &scene.mesh;
+        assert!((50_000..=200_000).contains(&mesh.triangles.len()), "{} triangles", mesh.triangles.len());
+        assert_eq!(mesh.material_ids.len(), mesh.triangles.len());
+        assert!(mesh.material_ids.iter().all(|id| (*id as usize) < scene.materials.len()));
+
+        let bounds_of = |material: &Material| {
+            let id = scene.materials.iter().position(|known| known == material).expect("a material in use") as u32;
+            let primitives = (0..mesh.triangles.len()).filter(|primitive| mesh.material_ids[*primitive] == id);
+            let corners = primitives.flat_map(|primitive| mesh.corners(primitive));
+            corners.fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(lower, upper), corner| {
+                let lower = core::array::from_fn(|k| corner[k].min(lower[k]));
+                (lower, core::array::from_fn(|k| corner[k].max(upper[k])))
+            })
+        };
+        let shapes = [CLAY, TEAL, GOLD, STONE].map(|material| bounds_of(&material));
+        for (k, a) in shapes.iter().enumerate() {
+            assert!((0..3).all(|axis| f64::from(a.0[axis]) > ROOM[0][axis] && f64::from(a.1[axis]) < ROOM[1][axis]));
+            for b in &shapes[..k] {
+                assert!((0..3).any(|axis| a.0[axis] > b.1[axis] || b.0[axis] > a.1[axis]), "{a:?} meets {b:?}");
+            }
+        }
+    }
+}

@@ -84,7 +84,7 @@ impl Frame {
         let (t_entry, origin) = if excess > 1.0 { enter::<P>(origin, direction)? } else { (0.0, origin) };
 
         let per_t = power_of_two(largest - self.scale_exponent);
-        let limit = |t: f32| (f64::from(t.min(f32::MAX)) * per_t - t_entry) as f32;
+        let limit = |t: f32| (f64::from(t) * per_t - t_entry) as f32;
         let t_min = if P::CLAMPS_T_MIN { limit(ray.t_min).max(0.0) } else { limit(ray.t_min) };
         Some(CanonicalRay {
             origin: origin.map(|c| flush(c as f32, SMALLEST)),
@@ -97,21 +97,26 @@ impl Frame {
     }
 }
 
-/// Where a line enters the root dilated by the padding: t', and the point clamped to the root.
+/// Where a line that meets the root dilated by the padding enters the root: t', and the point clamped to the root.
+///
+/// The root itself is entered, not the dilated one: clamping the point of the latter would move every ray.
 fn enter<P: Policy>(origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, [f64; 3])> {
     let margin = if P::DILATES_ROOT { f64::from(PADDING) } else { 0.0 };
-    let (mut first, mut last) = (f64::NEG_INFINITY, f64::INFINITY);
+    let (mut entry, mut first, mut last) = (f64::NEG_INFINITY, f64::NEG_INFINITY, f64::INFINITY);
     for k in 0..3 {
-        let (near, far) = if direction[k] < 0.0 { (1.0 + margin, -margin) } else { (-margin, 1.0 + margin) };
+        let (near, far, outward) = if direction[k] < 0.0 { (1.0, 0.0, margin) } else { (0.0, 1.0, -margin) };
         if direction[k] != 0.0 {
-            first = first.max((near - origin[k]) / direction[k]);
-            last = last.min((far - origin[k]) / direction[k]);
-        } else if origin[k] < near || origin[k] > far {
+            entry = entry.max((near - origin[k]) / direction[k]);
+            first = first.max((near + outward - origin[k]) / direction[k]);
+            last = last.min((far - outward - origin[k]) / direction[k]);
+        } else if origin[k] < near + outward || origin[k] > far - outward {
             return None;
         }
     }
-    let point = core::array::from_fn(|k| (origin[k] + first * direction[k]).clamp(0.0, 1.0));
-    (first <= last).then_some((first, point))
+    // A line that passes through the margin alone may leave it before it would come to the root.
+    let entry = entry.min(last);
+    let point = core::array::from_fn(|k| (origin[k] + entry * direction[k]).clamp(0.0, 1.0));
+    (first <= last).then_some((entry, point))
 }
 
 /// `x`, or 0 where its magnitude is under `smallest`: neither subnormals nor the sign of zero carry meaning.

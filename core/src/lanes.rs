@@ -36,9 +36,7 @@ pub trait Bits:
 }
 
 /// One `f32` a lane, with IEEE 754 arithmetic: every operation rounds once, to nearest, and is never fused.
-pub trait Lanes:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
-{
+pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
     /// Truth values.
     type Mask: Mask;
     /// Integers.

@@ -2,8 +2,7 @@
 
 use crate::lanes::Lanes;
 use crate::layout::{
-    BLOCK_WIDTH, BOX_MARGIN, Block, Key, LATTICE, LINK_NONE, PADDING, PAYLOAD_BLOCKS, Payload,
-    START_MARGIN,
+    BLOCK_WIDTH, BOX_MARGIN, Block, Key, LATTICE, LINK_NONE, PADDING, PAYLOAD_BLOCKS, Payload, START_MARGIN,
 };
 use crate::octree::{Octree, Parts};
 use crate::policy::{Policy, Standard};
@@ -90,11 +89,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         }
     }
 
-    fn walk<'r, const ANY: bool>(
-        &self,
-        ray: &'r CanonicalRay,
-        visitor: &mut impl FnMut(u32, &Cell<f32>),
-    ) -> Best<'r> {
+    fn walk<'r, const ANY: bool>(&self, ray: &'r CanonicalRay, visitor: &mut impl FnMut(u32, &Cell<f32>)) -> Best<'r> {
         let mut best = Best { ray, t: ray.t_max, hit: Hit::MISS, work: Work::default() };
         let line = Line::<f32>::new(ray);
         let Some(start) = start::<P>(&line, ray) else { return best };

@@ -8,9 +8,9 @@ mod tracer;
 mod verify;
 
 pub use brute_force::BruteForce;
-pub use build::{BuildError, Builder, Progress};
 #[doc(hidden)]
 pub use build::Spoiled;
+pub use build::{BuildError, Builder, Progress};
 pub use mesh::Mesh;
 pub use tracer::CpuTracer;
 pub use verify::{Verified, VerifyError, verify, verify_against};

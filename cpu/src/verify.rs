@@ -6,7 +6,7 @@ use leafwalk_core::layout::{Block, Key, NONE, Payload, Record};
 use leafwalk_core::{Octree, Parts};
 use rayon::prelude::*;
 
-use crate::build::{BuildError, NonFinite, children_met, normalise_with, quantised_bounds};
+use crate::build::{BuildError, NonFinite, Split, normalise_with, quantised_bounds};
 use crate::mesh::Mesh;
 
 /// What a verification found in order.
@@ -166,7 +166,8 @@ impl Check<'_> {
         if !record.head().is_inner() {
             return self.leaf(number, key, record, &triangles);
         }
-        let met = |&at: &u32| children_met(&self.triangles[at as usize].1, key, self.parts.header.padding);
+        let split = Split::new(key, self.parts.header.padding);
+        let met = |&at: &u32| split.children_met(&self.triangles[at as usize].1);
         let masks: Vec<u8> = triangles.par_iter().map(met).collect();
         let counts = (0..8u32).into_par_iter().map(|child| {
             let met = triangles.iter().zip(&masks).filter(|(_, mask)| **mask >> child & 1 == 1);

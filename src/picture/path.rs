@@ -147,3 +147,56 @@ fn tone(radiance: Vector) -> Vector {
     })
 }
 const EXPOSURE: f64 = 0.8;
+
+#[cfg(test)]
+mod tests {
+    use leafwalk::{BruteForce, Builder, CpuTracer};
+
+    use super::*;
+    use crate::camera::Size;
+    use crate::scene::Detail;
+
+    const SIZE: Size = Size { width: 61, height: 47 };
+
+    /// The default scene in small, its pixels and the rays that they took.
+    fn draw<T: Tracer + Sync>(scene: &Scene, tracer: &T, threads: usize) -> (Vec<[u8; 3]>, u64)
+    where
+        T::Error: Send,
+    {
+        let octree = Builder::new().build(&scene.mesh).expect("a finite mesh");
+        let surfaces = Surfaces::new(&octree, scene.materials.clone());
+        let camera = Camera::new(&scene.view, SIZE).expect("a camera");
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let mut meter = Meter::new(tracer);
+            let image = render(&mut meter, scene, &surfaces, &camera, &|_| ControlFlow::Continue(()));
+            (image.unwrap_or_else(|error| panic!("{error}")).pixels, meter.traced.rays)
+        })
+    }
+
+    #[test]
+    fn pictures_depend_neither_on_threads_nor_on_the_tracer() {
+        let scene = Scene::room(Detail { bumpy: 3, smooth: 2, knot: [60, 8] });
+        let tracer = CpuTracer::new(Builder::new().build(&scene.mesh).expect("a finite mesh"));
+        let expected = draw(&scene, &tracer, 1);
+        assert_eq!(expected.0.len(), SIZE.pixels());
+        // Primary rays, at most a shadow ray for each, and two bounces of a pixel with one each.
+        let pixels = SIZE.pixels() as u64;
+        assert!((8 * pixels..=12 * pixels).contains(&expected.1), "{} rays for {pixels} pixels", expected.1);
+        assert!(draw(&scene, &tracer, 3) == expected, "three threads draw another picture");
+        let brute_force = BruteForce::new(&scene.mesh).expect("a finite mesh");
+        assert!(draw(&scene, &brute_force, 2) == expected, "testing every triangle draws another picture");
+    }
+
+    #[test]
+    fn a_stopped_picture_is_none() {
+        let scene = Scene::room(Detail { bumpy: 0, smooth: 0, knot: [12, 4] });
+        let octree = Builder::new().build(&scene.mesh).expect("a finite mesh");
+        let surfaces = Surfaces::new(&octree, scene.materials.clone());
+        let camera = Camera::new(&scene.view, SIZE).expect("a camera");
+        let mut meter = Meter::new(&octree);
+        let result = render(&mut meter, &scene, &surfaces, &camera, &|_| ControlFlow::Break(()));
+        assert!(matches!(result, Err(PictureError::Cancelled)));
+        assert_eq!(meter.traced.rays, 0);
+    }
+}

@@ -148,3 +148,49 @@ fn likeness(a: &Pixel, b: &Pixel) -> f64 {
 fn falloff(x: f64) -> f64 {
     (1.0 - x * x).max(0.0).powi(2)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::Draws;
+
+    /// Two walls that meet in the middle, noisy around 1 on the left and 3 on the right.
+    fn corner() -> Film {
+        let size = Size { width: 64, height: 48 };
+        let pixels = (0..size.pixels()).map(|index| {
+            let x = index % 64;
+            let [noise, _] = Draws::new(index, 0).point();
+            let level = if x < 32 { 1.0 } else { 3.0 };
+            Pixel {
+                bounced: [level + noise - 0.5; 3],
+                light: [if x < 32 { noise } else { 0.0 }, 1.0],
+                unshadowed: [0.1; 3],
+                normal: if x < 32 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] },
+                ..Pixel::default()
+            }
+        });
+        Film { size, pixels: pixels.collect() }
+    }
+
+    #[test]
+    fn noise_is_smoothed_and_edges_stay() {
+        let mut film = corner();
+        film.smooth();
+        for (index, pixel) in film.pixels.iter().enumerate() {
+            let level = if index % 64 < 32 { 1.0 } else { 3.0 };
+            assert!((pixel.bounced[0] - level).abs() < 0.12, "pixel {index}: {} at {level}", pixel.bounced[0]);
+            let visibility = if index % 64 < 32 { 0.5 } else { 0.0 };
+            assert!((pixel.visibility() - visibility).abs() < 0.25, "pixel {index}: {}", pixel.visibility());
+        }
+    }
+
+    #[test]
+    fn edge_pixels_show_both_sides() {
+        let mut film = corner();
+        let edge = 20 * 64 + 31;
+        film.pixels[edge].is_edge = true;
+        film.smooth();
+        let mixed = film.pixels[edge].bounced[0];
+        assert!((1.3..2.7).contains(&mixed), "{mixed} is not between 1 and 3");
+    }
+}

@@ -84,3 +84,90 @@ impl Surfaces {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use leafwalk::{Builder, Mesh, Ray};
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
+    use super::super::vector::{length, tangents};
+    use super::*;
+
+    const TRIANGLES: usize = 300;
+    const RAYS: usize = 100;
+
+    /// Rays that leave a triangle of a size, at coordinates of a magnitude, in a root of an edge; how many hit the
+    /// triangle that they left.
+    fn self_hits(size: f32, coordinates: f32, root_edge: f32) -> usize {
+        let mut generator = ChaCha8Rng::seed_from_u64(14);
+        let mut uniform = || generator.next_u32() as f32 / 2f32.powi(31) - 1.0;
+        let mut hits = 0;
+        for _ in 0..TRIANGLES {
+            let centre = [(); 3].map(|()| coordinates * uniform());
+            let corner = |uniform: &mut dyn FnMut() -> f32| centre.map(|c| c + size * uniform());
+            let corners = [(); 3].map(|()| corner(&mut uniform));
+            // A speck at the far end makes the root as large as is asked.
+            let speck = centre.map(|c| c + root_edge);
+            let specks = [speck, [speck[0], speck[1], speck[2] + size], [speck[0], speck[1] + size, speck[2]]];
+            let mesh = Mesh::new([corners, specks].concat(), vec![[0, 1, 2], [3, 4, 5]]);
+            let octree = Builder::new().build(&mesh).expect("a finite mesh");
+            let surfaces = Surfaces::new(&octree, Vec::new());
+            for ray in 0..RAYS {
+                let weights = [uniform(), uniform()].map(|c| 0.5 + 0.5 * c);
+                let [u, v] = if weights[0] + weights[1] > 1.0 { weights.map(|c| 1.0 - c) } else { weights };
+                let hit = Hit { t: 1.0, u, v, primitive: 0 };
+                let from = [(); 3].map(|()| uniform());
+                let Some(surface) = surfaces.at(&hit, from) else { continue };
+                // Every other ray leaves along the surface.
+                let [s, t] = tangents(surface.normal);
+                let rise = if ray % 2 == 0 { 0.0 } else { f64::from(uniform().abs()) };
+                let along = add(scale(s, f64::from(uniform())), scale(t, f64::from(uniform())));
+                let direction = add(scale(surface.normal, rise), along);
+                let spawned = Ray::new(surface.lifted.map(|c| c as f32), direction.map(|c| c as f32));
+                // Rounding may turn a ray along the surface into one that meets it, farther off than any size here.
+                let is_hit = octree.closest_hit(&spawned).is_some_and(|hit| hit.primitive == 0);
+                let leads_away = dot(surface.normal, spawned.direction.map(f64::from)) >= 0.0;
+                hits += usize::from(is_hit && leads_away && length(direction) > 0.0);
+            }
+        }
+        hits
+    }
+
+    #[test]
+    fn rays_do_not_hit_the_triangle_that_they_leave() {
+        for (size, coordinates, root_edge) in [
+            (1.0, 0.0, 1.0),
+            (1.0, 0.0, 1e3),
+            (1e-3, 0.0, 1e3),
+            (1e3, 1e3, 1e3),
+            (1e-2, 1e3, 1.0),
+            (1.0, 1e5, 10.0),
+            (1e3, 1e5, 1e5),
+            (1e3, 1e6, 1.0),
+        ] {
+            assert_eq!(self_hits(size, coordinates, root_edge), 0, "size {size} at {coordinates} in {root_edge}");
+        }
+    }
+
+    #[test]
+    fn surfaces_face_the_viewer_and_know_their_material() {
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 5.0]];
+        let mut mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 1, 3]]);
+        mesh.material_ids = vec![1, 7];
+        let octree = Builder::new().build(&mesh).expect("a finite mesh");
+        let red = Material::matt(1.0, 0.0, 0.0);
+        let surfaces = Surfaces::new(&octree, vec![Material::NEUTRAL, red]);
+        let hit = Hit { t: 1.0, u: 0.25, v: 0.5, primitive: 0 };
+        for (z, is_front) in [(-1.0, true), (1.0, false)] {
+            let surface = surfaces.at(&hit, [0.0, 0.0, z]).expect("a hit");
+            assert_eq!(surface.normal, [0.0, 0.0, -f64::from(z)]);
+            assert_eq!((surface.is_front, surface.material), (is_front, red));
+            let offset = sub(surface.lifted, [0.25, 0.5, 0.0]);
+            assert!(dot(offset, surface.normal) > 0.0 && length(offset) < 1e-4, "lifted by {offset:?}");
+        }
+        let unknown = surfaces.at(&Hit { primitive: 1, ..hit }, [0.0, 1.0, 0.0]).expect("a hit");
+        assert_eq!(unknown.material, Material::NEUTRAL);
+        assert!(surfaces.at(&Hit::MISS, [0.0, 0.0, 1.0]).is_none());
+    }
+}

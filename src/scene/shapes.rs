@@ -23,7 +23,8 @@ impl Shape {
 
     /// A box around the origin.
     pub(crate) fn block(half: Vector) -> Self {
-        let positions = (0..8).map(|corner| core::array::from_fn(|k| if corner >> k & 1 == 1 { half[k] } else { -half[k] }));
+        let positions =
+            (0..8).map(|corner| core::array::from_fn(|k| if corner >> k & 1 == 1 { half[k] } else { -half[k] }));
         let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
         let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
         Self { positions: positions.collect(), triangles: triangles.collect() }
@@ -143,4 +144,73 @@ pub(crate) fn bumpy_sphere(divisions: u32, bumps: u32, height: f64) -> Shape {
         let rise = (1.0 - from_centre).max(0.0);
         scale(direction, 1.0 + height * rise * rise * (3.0 - 2.0 * rise))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+    use crate::picture::vector::length;
+
+    fn volume(shape: &Shape) -> f64 {
+        let corner = |index: u32| shape.positions[index as usize];
+        let signed = |[a, b, c]: &[u32; 3]| dot(corner(*a), cross(corner(*b), corner(*c))) / 6.0;
+        shape.triangles.iter().map(signed).sum()
+    }
+
+    #[track_caller]
+    fn assert_closed(shape: &Shape, expected_volume: f64) {
+        let edges = shape.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+        let mut seen = HashSet::new();
+        assert!(edges.clone().all(|edge| seen.insert(edge)), "an edge with two triangles on the same side");
+        assert!(edges.clone().all(|(a, b)| seen.contains(&(b, a))), "an edge with one triangle");
+        let volume = volume(shape);
+        assert!((volume / expected_volume - 1.0).abs() < 0.02, "volume {volume}, not {expected_volume}");
+    }
+
+    #[test]
+    fn shapes_are_closed_and_face_outwards() {
+        let sphere = core::f64::consts::PI * 4.0 / 3.0;
+        assert_closed(&Shape::block([1.0, 2.0, 3.0]), 48.0);
+        assert_closed(&Shape::icosphere(4), sphere);
+        assert_closed(&Shape::icosphere(3).scaled(2.0).turned(30.0).standing([1.0, 1.0], 0.0), 8.0 * sphere);
+        let bumpy = bumpy_sphere(5, 60, 0.1);
+        assert_closed(&bumpy, volume(&bumpy));
+        assert!((sphere..1.331 * sphere).contains(&volume(&bumpy)));
+
+        let radius = 0.4;
+        let knot = Shape::torus_knot(2, 3, radius, 600, 32);
+        let centre = |segment: usize| {
+            let ring = &knot.positions[segment % 600 * 32..][..32];
+            scale(ring.iter().fold([0.0; 3], |sum, position| add(sum, *position)), 1.0 / 32.0)
+        };
+        let line: f64 = (0..600).map(|k| length(sub(centre(k + 1), centre(k)))).sum();
+        assert_closed(&knot, line * core::f64::consts::PI * radius * radius);
+    }
+
+    #[test]
+    fn the_knot_does_not_touch_itself() {
+        let (segments, sides, radius) = (480, 16, 0.42);
+        let knot = Shape::torus_knot(2, 3, radius, segments as u32, sides as u32);
+        let centres: Vec<_> = knot
+            .positions
+            .chunks(sides)
+            .map(|ring| scale(ring.iter().fold([0.0; 3], |sum, p| add(sum, *p)), 1.0 / sides as f64))
+            .collect();
+        let along = |a: usize, b: usize| (a.abs_diff(b)).min(segments - a.abs_diff(b));
+        for a in 0..segments {
+            for b in (0..a).filter(|b| along(a, *b) > segments / 12) {
+                let distance = length(sub(centres[a], centres[b]));
+                assert!(distance > 2.0 * radius, "segments {a} and {b} are {distance} apart");
+            }
+        }
+    }
+
+    #[test]
+    fn standing_shapes_touch_the_floor() {
+        let shape = bumpy_sphere(3, 20, 0.2).standing([5.0, -5.0], 1.5);
+        let lowest = shape.positions.iter().map(|position| position[1]).fold(f64::INFINITY, f64::min);
+        assert!((lowest - 1.5).abs() < 1e-12);
+    }
 }

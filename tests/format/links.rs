@@ -26,7 +26,8 @@ fn every_face_leads_to_what_lies_across() {
         let mut random = Random::new(5, (6 * number + face as usize) as u64);
         let any_leaf = leaves[random.below(leaves.len())] as u32;
         let opposite = record.neighbours[face as usize ^ 1];
-        let others = [any_leaf, opposite, number as u32, 0, target ^ 1, target ^ 7, target + 8, records.len() as u32, u32::MAX];
+        let others =
+            [any_leaf, opposite, number as u32, 0, target ^ 1, target ^ 7, target + 8, records.len() as u32, u32::MAX];
         for other in others.into_iter().filter(|other| *other != target) {
             expect(&valid, number as u32, face, |file| file.records()[number].neighbours[face as usize] = other);
         }

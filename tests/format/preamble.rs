@@ -24,7 +24,8 @@ fn a_cut_file_is_truncated() {
 #[test]
 fn a_cut_file_that_says_so_lacks_sections() {
     for mut valid in [levels(), chains()] {
-        let mut ends: Vec<usize> = Section::ALL.map(|section| (valid.row(section)[1] + valid.row(section)[2]) as usize).into();
+        let mut ends: Vec<usize> =
+            Section::ALL.map(|section| (valid.row(section)[1] + valid.row(section)[2]) as usize).into();
         let content_end = ends.iter().copied().max().unwrap();
         let mut random = Random::new(1, 0);
         ends.extend((0..200).map(|_| random.below(content_end)));
@@ -37,7 +38,9 @@ fn a_cut_file_that_says_so_lacks_sections() {
             let error = Octree::from_words(&cut).unwrap_err();
             let expected = match cut.len() {
                 ..PREAMBLE_WORDS => matches!(error, DecodeError::Truncated { .. }),
-                n if n < PREAMBLE_WORDS + TABLE_ROW * Section::ALL.len() => matches!(error, DecodeError::SectionTable { .. }),
+                n if n < PREAMBLE_WORDS + TABLE_ROW * Section::ALL.len() => {
+                    matches!(error, DecodeError::SectionTable { .. })
+                }
                 _ => matches!(error, DecodeError::SectionRange { .. }),
             };
             assert!(expected, "cut to {} words: {error}", cut.len());

@@ -95,7 +95,8 @@ fn are_chained(line: Line, (a, a_edge): ([i32; 3], i32), (b, b_edge): ([i32; 3],
 /// Place of a cell in the order in which the ray's octant traverses the tree: the Morton code of its mirrored corner.
 fn place(line: Line, (lower, edge): ([i32; 3], i32)) -> i32 {
     let mirrored = |k: usize| if line.direction[k] < 0 { EDGE - lower[k] - edge } else { lower[k] };
-    (0..EDGE.ilog2()).fold(0, |code, bit| (0..3).fold(code, |code, k| code | (mirrored(k) >> bit & 1) << (3 * bit + k as u32)))
+    (0..EDGE.ilog2())
+        .fold(0, |code, bit| (0..3).fold(code, |code, k| code | (mirrored(k) >> bit & 1) << (3 * bit + k as u32)))
 }
 
 /// Follows the visited cells along the ray, from its origin, or its entry, to where it leaves the root.

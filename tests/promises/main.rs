@@ -3,8 +3,11 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod geometry;
 mod lattice;
+mod oracle;
 mod same_answer;
 mod scenes;
 mod tally;
 mod variants;
+mod watertight;

@@ -146,7 +146,8 @@ pub fn shards(triangles: u32, sizes: Range<f32>, most_aspect: f32, seed: u64) ->
         let [centre, along, aside] = core::array::from_fn(|_| random.vector());
         // Somewhere between the ends of its long side, the third corner is moved off it.
         let (at, off) = (random.unit(), width * size);
-        let corner = |along_by: f32, off: f32| core::array::from_fn(|k| centre[k] + along_by * along[k] + off * aside[k]);
+        let corner =
+            |along_by: f32, off: f32| core::array::from_fn(|k| centre[k] + along_by * along[k] + off * aside[k]);
         builder.triangle([corner(-0.5 * size, 0.0), corner(0.5 * size, 0.0), corner((at - 0.5) * size, off)]);
     }
     builder.mesh()

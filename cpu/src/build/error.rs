@@ -53,7 +53,10 @@ impl fmt::Display for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::NonFiniteVertex { vertex, position: [x, y, z] } => {
-                write!(f, "vertex {vertex} is ({x}, {y}, {z}): repair it, or build leniently to leave its triangles out")
+                write!(
+                    f,
+                    "vertex {vertex} is ({x}, {y}, {z}): repair it, or build leniently to leave its triangles out"
+                )
             }
             Self::IndexOutOfRange { triangle, index, vertices } => {
                 write!(f, "triangle {triangle} uses vertex {index}, but there are only {vertices} vertices")
@@ -65,7 +68,10 @@ impl fmt::Display for BuildError {
                 write!(f, "{count} {what}, at most {limit} are possible: split the mesh")
             }
             Self::OutOfMemory { needed, limit } => {
-                write!(f, "the build needs {needed} bytes, the limit is {limit}: raise it, or lower the reference budget")
+                write!(
+                    f,
+                    "the build needs {needed} bytes, the limit is {limit}: raise it, or lower the reference budget"
+                )
             }
             Self::Cancelled => write!(f, "the build was cancelled"),
         }

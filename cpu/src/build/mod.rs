@@ -16,17 +16,17 @@ use leafwalk_core::Octree;
 use leafwalk_core::layout::{MAX_LEVEL, PADDING};
 
 pub use error::BuildError;
-pub(crate) use normalise::{NonFinite, Normalised, normalise, normalise_with};
 pub(crate) use leaf::quantised_bounds;
-pub(crate) use overlap::children_met;
+pub(crate) use normalise::{NonFinite, Normalised, normalise, normalise_with};
+pub(crate) use overlap::Split;
 
 use crate::mesh::Mesh;
 use monitor::Monitor;
 use tree::Tree;
 
-/// Cost of a step over the cost of a triangle test. Measured on the dragon and the conference room (ARCHITECTURE.md,
+/// Cost of a step over the cost of a triangle test. Measured on four scenes (ARCHITECTURE.md,
 /// "Split rule").
-const STEP_COST: f32 = 48.0;
+const STEP_COST: f32 = 64.0;
 /// References that a build may make for each triangle.
 const BUDGET: f32 = 8.0;
 /// References that even a mesh of one triangle may make.
@@ -107,7 +107,7 @@ impl Builder {
     }
 
     /// Cost of a step over the cost of a triangle test: larger values make fewer, fuller leaves. At least 0.5, the
-    /// default is 48.
+    /// default is 64.
     #[must_use]
     pub fn step_cost(self, step_cost: f32) -> Self {
         Self { step_cost: if step_cost.is_finite() { step_cost.max(0.5) } else { STEP_COST }, ..self }

@@ -84,7 +84,8 @@ fn normalise_into(
 }
 
 fn check(mesh: &Mesh, non_finite: NonFinite) -> Result<(), BuildError> {
-    let too_large = |what, count: usize| BuildError::TooLarge { what, count: count as u64, limit: u64::from(u32::MAX) - 1 };
+    let too_large =
+        |what, count: usize| BuildError::TooLarge { what, count: count as u64, limit: u64::from(u32::MAX) - 1 };
     if mesh.triangles.len() >= u32::MAX as usize {
         return Err(too_large("triangles", mesh.triangles.len()));
     }

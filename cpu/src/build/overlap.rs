@@ -48,32 +48,56 @@ impl Overlap {
     }
 }
 
-/// Bit i: the triangle meets child i of the cell, dilated by the padding. The triangle must meet the dilated cell.
-pub(crate) fn children_met(corners: &[[f32; 3]; 3], cell: Key, padding: f32) -> u8 {
-    let (lower, upper) = cell.bounds();
-    // Exact: a multiple of 2^-17, and the padding is 2^-19.
-    let half = 0.5 * cell.size() as f32 * LATTICE_STEP;
-    let (mut candidates, mut straddled, mut is_inside) = (0xff_u8, 0, true);
-    for k in 0..3 {
-        let middle = lower[k] + half;
-        let (low, high) = range(corners, k);
-        let (is_low, is_high) = (low <= middle + padding, high >= middle - padding);
-        candidates &= if is_low { 0xff } else { UPPER[k] } & if is_high { 0xff } else { !UPPER[k] };
-        straddled += u32::from(is_low && is_high);
-        is_inside &= low >= lower[k] - padding && high <= upper[k] + padding;
+/// A cell about to be split: its planes, dilated by the padding.
+pub(crate) struct Split {
+    lower: [f32; 3],
+    middle: [f32; 3],
+    upper: [f32; 3],
+    /// Half a cell's edge, which is a child's: exact.
+    half: f32,
+    padding: f32,
+}
+
+impl Split {
+    pub(crate) fn new(cell: Key, padding: f32) -> Self {
+        let (lower, upper) = cell.bounds();
+        // All sums here are exact: multiples of 2^-19 below 2.
+        let half = 0.5 * cell.size() as f32 * LATTICE_STEP;
+        let outward = |upper: f32| upper + padding;
+        Self {
+            lower: lower.map(|c| c - padding),
+            middle: lower.map(|c| c + half),
+            upper: upper.map(outward),
+            half,
+            padding,
+        }
     }
-    // Inside the cell and across one plane only: a corner on either side proves both children.
-    if straddled == 0 || (straddled == 1 && is_inside) {
-        return candidates;
+
+    /// Bit i: the triangle meets child i, dilated. The triangle must meet the dilated cell.
+    #[inline]
+    pub(crate) fn children_met(&self, corners: &[[f32; 3]; 3]) -> u8 {
+        let (mut candidates, mut straddled, mut is_inside) = (0xff_u8, 0, true);
+        for k in 0..3 {
+            let (low, high) = range(corners, k);
+            let (is_low, is_high) = (low <= self.middle[k] + self.padding, high >= self.middle[k] - self.padding);
+            candidates &= if is_low { 0xff } else { UPPER[k] } & if is_high { 0xff } else { !UPPER[k] };
+            straddled += u32::from(is_low && is_high);
+            is_inside &= low >= self.lower[k] && high <= self.upper[k];
+        }
+        // Inside the cell and across one plane only: a corner on either side proves both children.
+        if straddled == 0 || (straddled == 1 && is_inside) {
+            return candidates;
+        }
+        let triangle = Overlap::new(corners);
+        let half = f64::from(self.half);
+        let reach = DVec3::splat(0.5 * half + f64::from(self.padding));
+        let centre = |child: u8| {
+            let side = |k: usize| if UPPER[k] >> child & 1 == 1 { 0.5 * half } else { -0.5 * half };
+            DVec3::from_array(self.middle.map(f64::from)) + DVec3::from_array([0, 1, 2].map(side))
+        };
+        let candidates = (0..8).filter(|child| candidates >> child & 1 == 1);
+        candidates.fold(0, |met, child| met | u8::from(triangle.meets(centre(child), reach)) << child)
     }
-    let triangle = Overlap::new(corners);
-    let half = f64::from(half);
-    let reach = DVec3::splat(0.5 * half + f64::from(padding));
-    let first = DVec3::from_array(lower.map(f64::from)) + DVec3::splat(0.5 * half);
-    (0..8).filter(|child| candidates >> child & 1 == 1).fold(0, |met, child| {
-        let offset = DVec3::new(f64::from(child & 1), f64::from(child >> 1 & 1), f64::from(child >> 2));
-        met | u8::from(triangle.meets(first + offset * half, reach)) << child
-    })
 }
 
 /// Bit i of mask k: child i is in the upper half of axis k.

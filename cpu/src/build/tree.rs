@@ -4,7 +4,7 @@ use leafwalk_core::layout::{Key, LATTICE, NONE};
 use rayon::prelude::*;
 
 use super::monitor::Monitor;
-use super::overlap::children_met;
+use super::overlap::Split;
 use super::{BuildError, Settings};
 
 /// References a task bins.
@@ -176,9 +176,10 @@ impl Grower<'_> {
     }
 
     fn bin(&self, cell: Key, references: &[u32], masks: &mut [u8]) -> [usize; 8] {
+        let split = Split::new(cell, self.settings.padding);
         let mut counts = [0; 8];
         for (&reference, mask) in references.iter().zip(masks) {
-            *mask = children_met(&self.triangles[reference as usize].1, cell, self.settings.padding);
+            *mask = split.children_met(&self.triangles[reference as usize].1);
             for (child, count) in counts.iter_mut().enumerate() {
                 *count += usize::from(*mask >> child & 1);
             }
@@ -220,7 +221,8 @@ impl Grower<'_> {
             // A coarser leaf has four such neighbours on a face, and the cost of splitting it is shared among them.
             let charge = forced.len() as f32 * self.settings.step_cost;
             let splits: Vec<_> = if proposal.gain > charge { self.bin_all(&forced) } else { Vec::new() };
-            let forced_growth: usize = splits.iter().map(|(len, parts)| parts.iter().map(Vec::len).sum::<usize>() - len).sum();
+            let forced_growth: usize =
+                splits.iter().map(|(len, parts)| parts.iter().map(Vec::len).sum::<usize>() - len).sum();
             let total = self.total + growth + forced_growth;
             if proposal.gain <= charge || total > self.settings.budget {
                 proposals[i] = None;
@@ -269,9 +271,10 @@ impl Grower<'_> {
     fn bin_all(&self, leaves: &[u32]) -> Vec<(usize, [Vec<u32>; 8])> {
         let bin = |&leaf: &u32| {
             let node = &self.tree.nodes[leaf as usize];
+            let split = Split::new(node.key, self.settings.padding);
             let mut parts: [Vec<u32>; 8] = Default::default();
             for &reference in self.tree.references(node) {
-                let met = children_met(&self.triangles[reference as usize].1, node.key, self.settings.padding);
+                let met = split.children_met(&self.triangles[reference as usize].1);
                 for (child, part) in parts.iter_mut().enumerate() {
                     if met >> child & 1 == 1 {
                         part.push(reference);

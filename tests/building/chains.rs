@@ -1,0 +1,30 @@
+//! Leaves of more than eight blocks: nothing is cut off.
+
+use leafwalk::{BruteForce, Builder, Mesh, verify_against};
+use rayon::prelude::*;
+
+use crate::support::meshes;
+use crate::support::properties::trace::check_ray;
+use crate::support::random::Random;
+use crate::support::rays;
+
+fn check(name: &str, mesh: &Mesh, level: u32) {
+    let octree = Builder::new().max_level(level).build(mesh).unwrap();
+    let stats = octree.stats();
+    assert!(stats.leaves_by_blocks[9] > 0, "{name}: chained leaves are to occur: {stats:?}");
+    verify_against(&octree, mesh).unwrap();
+    let oracle = BruteForce::new(mesh).unwrap();
+    let (centre, size) = rays::extent(mesh);
+    (0..8_000).into_par_iter().for_each(|index| {
+        let ray = rays::hard(mesh, centre, size, &mut Random::new(91, index));
+        check_ray(&octree, &oracle, &ray);
+    });
+}
+
+#[test]
+fn chained_leaves_answer_as_brute_force_does() {
+    check("soup, root alone", &meshes::soup(500, 92), 0);
+    check("soup, level 2", &meshes::soup(2000, 93), 2);
+    check("walls, level 1", &meshes::walls(600, 94), 1);
+    check("sphere, level 1", &meshes::icosphere(4), 1);
+}

@@ -1,0 +1,127 @@
+//! Budget, depth, memory, progress, cancellation.
+
+use core::ops::ControlFlow;
+use core::sync::atomic::{AtomicU32, Ordering};
+use std::sync::Mutex;
+
+use leafwalk::{BuildError, Builder, Mesh, verify};
+
+use crate::support::meshes;
+
+/// References that even a small mesh may make (the builder's documented floor).
+const LEAST_BUDGET: usize = 4096;
+
+fn scenes() -> [(&'static str, Mesh); 4] {
+    [
+        ("soup", meshes::soup(3000, 51)),
+        ("walls", meshes::walls(1500, 52)),
+        ("needle box", meshes::needle_box(60)),
+        ("sphere", meshes::icosphere(4)),
+    ]
+}
+
+#[test]
+fn references_stay_within_the_budget() {
+    for (name, mesh) in scenes() {
+        let mut most = Vec::new();
+        for budget in [0.0, 1.0, 1.5, 2.0, 4.0, 8.0] {
+            let octree = Builder::new().step_cost(0.5).reference_budget(budget).build(&mesh).unwrap();
+            let references = octree.stats().references as usize;
+            let limit = ((f64::from(budget.max(1.0)) * mesh.triangles.len() as f64) as usize).max(LEAST_BUDGET);
+            assert!(references <= limit, "{name}, budget {budget}: {references} references, limit {limit}");
+            verify(&octree).unwrap();
+            most.push(references);
+        }
+        assert!(most.is_sorted(), "{name}: a larger budget is to give no fewer references: {most:?}");
+    }
+}
+
+#[test]
+fn no_leaf_is_deeper_than_allowed() {
+    let mesh = meshes::soup(2000, 53);
+    let mut deepest = Vec::new();
+    for level in 0..=17 {
+        let octree = Builder::new().step_cost(0.5).reference_budget(64.0).max_level(level).build(&mesh).unwrap();
+        let stats = octree.stats();
+        let found = stats.leaves_at_level.iter().rposition(|leaves| *leaves > 0).unwrap() as u32;
+        assert!(found <= level.min(16), "level {found}, at most {level}");
+        assert_eq!(octree.parts().header.max_level, level.min(16));
+        verify(&octree).unwrap();
+        deepest.push(found);
+    }
+    assert_eq!(deepest[..6], [0, 1, 2, 3, 4, 5]);
+}
+
+#[test]
+fn memory_is_refused_before_it_is_taken() {
+    for (name, mesh) in scenes() {
+        for step_cost in [0.5, 48.0] {
+            let builder = Builder::new().step_cost(step_cost);
+            let expected = builder.build(&mesh).unwrap().into_words();
+            let mut built = false;
+            for limit in (0..32).map(|bits| 1u64 << bits) {
+                match builder.clone().memory_limit(limit).build(&mesh) {
+                    Ok(octree) => {
+                        built = true;
+                        assert!(octree.as_words() == expected, "{name}: a limit that suffices changes nothing");
+                        let bytes = 4 * expected.len() as u64;
+                        assert!(bytes <= limit, "{name}: {bytes} bytes within {limit}");
+                    }
+                    Err(BuildError::OutOfMemory { needed, limit: reported }) => {
+                        assert!(!built, "{name}: {limit} fails where less sufficed");
+                        assert!(reported == limit && needed > limit, "{name}: needs {needed}, limit {limit}");
+                    }
+                    Err(error) => panic!("{name}: {error}"),
+                }
+            }
+            assert!(built, "{name}: 2 GiB must do");
+        }
+    }
+}
+
+#[test]
+fn progress_never_decreases_and_reaches_the_end() {
+    for (name, mesh) in scenes() {
+        for builder in [Builder::new(), Builder::new().step_cost(0.5)] {
+            let heard = Mutex::new(Vec::new());
+            let listen = |progress: leafwalk::Progress| {
+                heard.lock().unwrap().push(progress.fraction);
+                ControlFlow::Continue(())
+            };
+            builder.build_with_progress(&mesh, listen).unwrap();
+            let heard = heard.into_inner().unwrap();
+            assert!(heard.len() > 3, "{name}: {heard:?}");
+            assert!(heard.is_sorted() && heard[0] >= 0.0 && heard.last() == Some(&1.0), "{name}: {heard:?}");
+        }
+    }
+}
+
+#[test]
+fn a_build_stops_when_it_is_told_to() {
+    let mesh = meshes::soup(3000, 54);
+    let reports = AtomicU32::new(0);
+    let count = |_| {
+        reports.fetch_add(1, Ordering::Relaxed);
+        ControlFlow::Continue(())
+    };
+    Builder::new().build_with_progress(&mesh, count).unwrap();
+    for stop_at in 0..reports.into_inner() {
+        let heard = AtomicU32::new(0);
+        let stop = |_| match heard.fetch_add(1, Ordering::Relaxed) {
+            report if report == stop_at => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        };
+        assert_eq!(Builder::new().build_with_progress(&mesh, stop).unwrap_err(), BuildError::Cancelled);
+        assert_eq!(heard.into_inner(), stop_at + 1, "nothing is done after the stop");
+    }
+}
+
+#[test]
+fn settings_out_of_range_fall_back() {
+    let mesh = meshes::soup(200, 55);
+    let built = |builder: Builder| builder.build(&mesh).unwrap().into_words();
+    assert!(built(Builder::new().step_cost(f32::NAN)) == built(Builder::new()));
+    assert!(built(Builder::new().step_cost(-1.0)) == built(Builder::new().step_cost(0.5)));
+    assert!(built(Builder::new().reference_budget(f32::INFINITY)) == built(Builder::new()));
+    assert!(built(Builder::new().max_level(99)) == built(Builder::new()));
+}

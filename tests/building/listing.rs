@@ -1,0 +1,98 @@
+//! Every leaf lists every triangle that meets its dilated cell, by an oracle of its own: the triangle is clipped to the
+//! cell in f64.
+
+use std::collections::HashSet;
+
+use leafwalk::{Builder, Mesh};
+use leafwalk_core::layout::{Key, PADDING};
+use rayon::prelude::*;
+
+use crate::support::meshes;
+
+/// Clipping in f64 moves a corner by less; a part that is left of the cell shrunk by it really meets the cell.
+const CERTAIN: f64 = 1.0 / (1u64 << 46) as f64;
+/// Binning is conservative by 2^-30 of a cell, and for needles by more; a triangle further away than this from the
+/// dilated cell has no business in the leaf.
+const GENEROUS: f64 = 1.0 / (1 << 24) as f64;
+
+/// Whether a part of the triangle is left inside the cell dilated by `reach` (Sutherland & Hodgman 1974).
+fn meets(corners: &[[f32; 3]; 3], key: Key, reach: f64) -> bool {
+    let (lower, upper) = key.bounds();
+    let mut polygon: Vec<[f64; 3]> = corners.iter().map(|corner| corner.map(f64::from)).collect();
+    for (k, sign) in (0..6).map(|i| (i / 2, if i % 2 == 0 { 1.0 } else { -1.0 })) {
+        let plane = if sign > 0.0 { f64::from(lower[k]) - reach } else { f64::from(upper[k]) + reach };
+        let inside = |p: &[f64; 3]| sign * (p[k] - plane);
+        let mut kept = Vec::new();
+        for (i, a) in polygon.iter().enumerate() {
+            let b = &polygon[(i + 1) % polygon.len()];
+            let (da, db) = (inside(a), inside(b));
+            if da >= 0.0 {
+                kept.push(*a);
+            }
+            if (da >= 0.0) != (db >= 0.0) {
+                let w = da / (da - db);
+                kept.push(core::array::from_fn(|j| if j == k { plane } else { a[j] + w * (b[j] - a[j]) }));
+            }
+        }
+        polygon = kept;
+    }
+    !polygon.is_empty()
+}
+
+fn check(name: &str, mesh: &Mesh, builder: &Builder) {
+    let octree = builder.build(mesh).unwrap();
+    let parts = octree.parts();
+    let frame = parts.frame;
+    let corners: Vec<[[f32; 3]; 3]> =
+        (0..mesh.triangles.len()).map(|i| mesh.corners(i).map(|corner| frame.to_lattice(corner))).collect();
+    let is_listed = |c: &[[f32; 3]; 3]| c[0] != c[1] && c[1] != c[2] && c[2] != c[0];
+    let leaves: Vec<_> = parts.leaves().collect();
+    let references: usize = leaves
+        .par_iter()
+        .map(|(number, leaf)| {
+            let key = parts.key(*number);
+            let listed: Vec<u32> = parts.triangles_of(leaf).map(|(primitive, _)| primitive).collect();
+            let set: HashSet<u32> = listed.iter().copied().collect();
+            assert_eq!(set.len(), listed.len(), "{name}: leaf {number} lists a triangle twice");
+            for (primitive, corners) in (0..).zip(&corners).filter(|(_, corners)| is_listed(corners)) {
+                if meets(corners, key, f64::from(PADDING) - CERTAIN) {
+                    assert!(set.contains(&primitive), "{name}: leaf {number} ({key:?}) lacks {primitive} {corners:?}");
+                } else if set.contains(&primitive) {
+                    let near = meets(corners, key, f64::from(PADDING) + GENEROUS);
+                    assert!(near, "{name}: leaf {number} ({key:?}) lists {primitive} {corners:?} from afar");
+                }
+            }
+            for (primitive, stored) in parts.triangles_of(leaf) {
+                assert_eq!(stored, corners[primitive as usize], "{name}: corners of {primitive}");
+            }
+            listed.len()
+        })
+        .sum();
+    println!("{name}: {} leaves, {references} references", leaves.len());
+    assert_eq!(references, octree.stats().references as usize);
+    assert!(references > mesh.triangles.len(), "{name}: the octree is to list triangles more than once");
+}
+
+#[test]
+fn no_reference_is_missing() {
+    let fine = Builder::new().step_cost(0.5).reference_budget(64.0);
+    check("soup", &meshes::soup(500, 71), &fine.clone().max_level(6));
+    check("lattice soup", &lattice_soup(300), &fine.clone().max_level(5));
+    check("needle box", &meshes::needle_box(25), &fine.clone().max_level(5));
+    check("walls", &meshes::walls(40, 72), &fine.clone().max_level(5));
+    check("sphere", &meshes::icosphere(3), &fine.clone().max_level(6));
+    check("clump", &meshes::placed(&meshes::soup(150, 73), 1e-3, 1.0), &fine);
+}
+
+/// Triangles whose corners lie on planes of cells, or one ULP off.
+fn lattice_soup(count: u32) -> Mesh {
+    let mut positions = vec![[-1.0f32; 3], [1.0 - 1.0 / 64.0; 3]];
+    for i in 0..3 * count {
+        let mut random = crate::support::random::Random::new(74, u64::from(i));
+        let corner = random.vector().map(|c| (c * 8.0).round() / 8.0);
+        positions.push(corner.map(|c| random.nudge(c)));
+    }
+    let mut triangles: Vec<[u32; 3]> = (0..count).map(|i| [3 * i + 2, 3 * i + 3, 3 * i + 4]).collect();
+    triangles.push([0, 1, 2]);
+    Mesh::new(positions, triangles)
+}

@@ -1,0 +1,12 @@
+//! The builder: what it makes of any mesh, within which limits, and that its lists are complete.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod chains;
+mod inputs;
+mod limits;
+mod listing;
+mod structure;
+mod threads;
+mod verification;

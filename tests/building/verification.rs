@@ -1,0 +1,162 @@
+//! `verify` finds what decoding cannot.
+
+use leafwalk::wire::Section;
+use leafwalk::{Builder, Mesh, Octree, VerifyError, verify, verify_against};
+use leafwalk_core::layout::{NONE, Payload};
+
+use crate::support::edited::Edited;
+use crate::support::meshes;
+
+fn scene() -> (Mesh, Octree<Vec<u32>>) {
+    let mesh = meshes::soup(400, 81);
+    let octree = Builder::new().step_cost(2.0).build(&mesh).unwrap();
+    (mesh, octree)
+}
+
+#[test]
+fn what_is_built_verifies() {
+    let (mesh, octree) = scene();
+    let verified = verify(&octree).unwrap();
+    let stats = octree.stats();
+    assert_eq!(verified.triangles, u64::from(stats.primitives - stats.dropped));
+    assert_eq!(verified.references, u64::from(stats.references));
+    assert_eq!(verify_against(&octree, &mesh), Ok(verified));
+}
+
+/// Takes a lane out of a block, and out of the header's count.
+fn remove(file: &mut Edited, block: usize, lane: usize) {
+    file.header().references -= 1;
+    let block = &mut file.blocks()[block];
+    block.primitives[lane] = NONE;
+    block.vertices.as_flattened_mut().iter_mut().for_each(|axis| axis[lane] = 0.0);
+}
+
+#[test]
+fn a_missing_reference_is_found() {
+    let (_, octree) = scene();
+    let valid = Edited::new(&octree);
+    let parts = octree.parts();
+    let owner = |block: usize| {
+        let holds = |payload: &Payload| (payload.first_block as usize..).take(payload.count.into()).any(|b| b == block);
+        parts.leaves().find(|(_, leaf)| parts.payloads_of(leaf).any(holds)).expect("every block has a leaf").0
+    };
+    let count =
+        |primitive: u32| parts.blocks.iter().flat_map(|block| block.primitives).filter(|p| *p == primitive).count();
+    let mut alone = 0;
+    for (number, block) in parts.blocks.iter().enumerate().step_by(7) {
+        let lane = number % 8;
+        let primitive = block.primitives[lane];
+        if primitive == NONE {
+            continue;
+        }
+        let octree = valid.decode_with(|file| remove(file, number, lane)).unwrap();
+        let error = verify(&octree).unwrap_err();
+        if count(primitive) > 1 {
+            assert_eq!(error, VerifyError::MissingReference { leaf: owner(number), primitive });
+        } else {
+            // Listed nowhere else: then it is the count that is wrong.
+            alone += 1;
+            assert!(matches!(error, VerifyError::TriangleCount { .. }), "{error}");
+        }
+    }
+    println!("{alone} triangles were listed once");
+}
+
+#[test]
+fn a_box_that_is_too_small_is_found() {
+    let (_, octree) = scene();
+    let valid = Edited::new(&octree);
+    let mut shrunk = 0;
+    for (number, payload) in octree.parts().payloads.iter().enumerate() {
+        for k in 0..3 {
+            if payload.block_lower[k][0] == payload.block_upper[k][0] {
+                continue;
+            }
+            let smaller = valid.decode_with(|file| file.payloads()[number].block_upper[k][0] -= 1).unwrap();
+            let error = verify(&smaller).unwrap_err();
+            assert!(matches!(error, VerifyError::SmallBox { .. }), "payload {number}: {error}");
+            let smaller = valid.decode_with(|file| file.payloads()[number].block_lower[k][0] += 1).unwrap();
+            let error = verify(&smaller).unwrap_err();
+            assert!(matches!(error, VerifyError::SmallBox { .. }), "payload {number}: {error}");
+            shrunk += 1;
+        }
+    }
+    assert!(shrunk > 100, "{shrunk}");
+}
+
+#[test]
+fn a_moved_corner_is_found() {
+    let (mesh, octree) = scene();
+    let valid = Edited::new(&octree);
+    let (mut inconsistent, mut unlike) = (0, 0);
+    for number in (0..octree.parts().blocks.len()).step_by(5) {
+        let moved = valid
+            .decode_with(|file| {
+                let c = &mut file.blocks()[number].vertices[1][number % 3][0];
+                *c = c.next_up();
+            })
+            .unwrap();
+        // Two leaves contradict each other, or else only the mesh can tell.
+        inconsistent += usize::from(matches!(verify(&moved), Err(VerifyError::CornersDiffer { .. })));
+        unlike += usize::from(verify_against(&moved, &mesh).is_err());
+    }
+    let tried = octree.parts().blocks.len().div_ceil(5);
+    assert!(unlike == tried && inconsistent > tried / 2, "{inconsistent} and {unlike} of {tried}");
+}
+
+#[test]
+fn another_mesh_is_told_apart() {
+    let (mesh, octree) = scene();
+    let differs = |mesh: &Mesh| match verify_against(&octree, mesh) {
+        Err(VerifyError::OtherMesh { what, primitive }) => (what, primitive),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(differs(&meshes::icosphere(1)).0, "number of triangles");
+    let mut moved = mesh.clone();
+    moved.positions.iter_mut().for_each(|p| p[0] += 64.0);
+    assert_eq!(differs(&moved).0, "frame");
+    // One corner, by one ULP.
+    let mut other = mesh.clone();
+    let vertex = other.triangles[123][1];
+    let y = &mut other.positions[vertex as usize][1];
+    *y = y.next_up();
+    let (what, primitive) = differs(&other);
+    assert_eq!(what, "corners");
+    assert!(other.triangles[primitive.unwrap() as usize].contains(&vertex));
+    // Turned triangles have the same corners in another order.
+    let mut turned = mesh.clone();
+    turned.triangles[7].rotate_left(1);
+    assert_eq!(differs(&turned), ("corners", Some(7)));
+    let mut painted = mesh.clone();
+    painted.material_ids = vec![0; mesh.triangles.len()];
+    assert_eq!(differs(&painted).0, "list of materials");
+    let mut broken = mesh.clone();
+    broken.triangles[0][0] = u32::MAX;
+    assert!(matches!(verify_against(&octree, &broken), Err(VerifyError::Mesh(_))));
+}
+
+#[test]
+fn materials_are_compared() {
+    let mut mesh = meshes::soup(50, 82);
+    mesh.material_ids = (0..mesh.triangles.len() as u32).collect();
+    let octree = Builder::new().build(&mesh).unwrap();
+    verify_against(&octree, &mesh).unwrap();
+    let repainted = Edited::new(&octree).decode_with(|file| file.section(Section::Materials)[9] = 0).unwrap();
+    verify(&repainted).unwrap();
+    let error = verify_against(&repainted, &mesh).unwrap_err();
+    assert_eq!(error, VerifyError::OtherMesh { what: "list of materials", primitive: None });
+}
+
+#[test]
+fn counts_of_a_hostile_header_cost_no_memory() {
+    let (_, octree) = scene();
+    let hostile = Edited::new(&octree)
+        .decode_with(|file| {
+            file.header().primitives = NONE - 1;
+            file.header().dropped = 0;
+        })
+        .unwrap();
+    let listed = u64::from(octree.stats().primitives - octree.stats().dropped);
+    let expected = VerifyError::TriangleCount { listed, expected: u64::from(NONE - 1) };
+    assert_eq!(verify(&hostile), Err(expected));
+}

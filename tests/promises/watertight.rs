@@ -1,0 +1,131 @@
+//! P1: a ray from inside a closed mesh hits it, also where it is aimed at an edge or a vertex.
+
+use glam::DVec3;
+use leafwalk::{CpuTracer, Hit, Mesh, Ray};
+use leafwalk_core::Standard;
+use leafwalk_core::step::{Pluecker, Slab};
+use rayon::prelude::*;
+
+use crate::geometry::{corners, distance_to_triangle, point, winding};
+use crate::scenes::{self, Scene};
+use crate::support::meshes;
+use crate::support::random::Random;
+use crate::support::rays::{Target, hex};
+use crate::tally::{Any, Tally, scaled, tally};
+use crate::variants::Stepping;
+
+/// Rays of each kind at each mesh; LEAFWALK_RAYS=50 makes 1e7 of each at the four meshes made in code.
+const RAYS: u64 = 50_000;
+/// Origins that the rays of a mesh share.
+const ORIGINS: u64 = 1024;
+/// Origins closer to the surface than this share of the root's edge may come to lie outside by rounding.
+const SAFE: f64 = 1.0 / (1u64 << 19) as f64;
+
+/// A point inside a closed mesh, and the triangle next to it.
+#[derive(Clone, Copy)]
+pub struct Inside {
+    origin: [f32; 3],
+    primitive: usize,
+}
+
+/// Points inside, at all depths below the surface, one a candidate that proves to be inside and at a safe distance.
+///
+/// A turned-over mesh goes around its inside -1 times.
+pub fn inside(mesh: &Mesh, root_edge: f64, candidates: u64, seed: u64) -> Vec<Inside> {
+    let triangles: Vec<[DVec3; 3]> = (0..mesh.triangles.len()).map(|i| corners(mesh, i)).collect();
+    let try_one = |index| {
+        let mut random = Random::new(seed, index);
+        let primitive = random.below(triangles.len());
+        let [a, b, c] = triangles[primitive];
+        let normal = (b - a).cross(c - a).try_normalize()?;
+        let (u, v) = (f64::from(random.unit()), f64::from(random.unit()));
+        let surface = a + u * (1.0 - v) * (b - a) + v * (c - a);
+        // From 1.4 safe distances to a quarter of the root.
+        let depth = root_edge * 2f64.powf(-18.5 + 16.5 * f64::from(random.unit()));
+        let origin = (surface - depth * normal).as_vec3().to_array();
+        let p = point(origin);
+        let is_safe = triangles.iter().all(|triangle| distance_to_triangle(triangle, p) > SAFE * root_edge);
+        let turns: f64 = triangles.iter().map(|triangle| winding(triangle, p)).sum();
+        (is_safe && (turns.abs() - 1.0).abs() < 0.01).then_some(Inside { origin, primitive })
+    };
+    (0..candidates).into_par_iter().filter_map(try_one).collect()
+}
+
+/// A ray from inside at a vertex or an edge, half of them through the floats next to the exact direction.
+fn aimed(mesh: &Mesh, inside: &[Inside], target: Target, random: &mut Random) -> Ray {
+    let Inside { origin, primitive } = inside[random.below(inside.len())];
+    // Half of them graze the surface near the origin.
+    let primitive = if random.below(2) == 0 { primitive } else { random.below(mesh.triangles.len()) };
+    let mut corners = mesh.corners(primitive);
+    corners.rotate_left(random.below(3));
+    let w = if target == Target::Vertex { 0.0 } else { random.unit() };
+    let aim: [f32; 3] = core::array::from_fn(|k| corners[0][k] + w * (corners[1][k] - corners[0][k]));
+    let direction = core::array::from_fn(|k| aim[k] - origin[k]);
+    Ray::new(origin, if random.below(2) == 0 { direction } else { direction.map(|c| random.nudge(c)) })
+}
+
+/// The rays from inside that a tracer lets through.
+pub fn misses(tracers: &[Any<'_>], mesh: &Mesh, inside: &[Inside], target: Target, count: u64, seed: u64) -> Tally {
+    tally(count, |indices, tally| {
+        let ray = |index| aimed(mesh, inside, target, &mut Random::new(seed, index));
+        let rays: Vec<Ray> = indices.clone().map(ray).collect();
+        let mut hits = vec![Hit::MISS; rays.len()];
+        let mut occluded = vec![false; rays.len()];
+        for (number, tracer) in tracers.iter().enumerate() {
+            tracer.closest_hits(&rays, &mut hits).expect("equal lengths");
+            tracer.occlusions(&rays, &mut occluded).expect("equal lengths");
+            for (i, index) in indices.clone().enumerate() {
+                if hits[i].is_miss() || !occluded[i] {
+                    tally.fault(index, || {
+                        let ray = hex(&rays[i]);
+                        format!(
+                            "tracer {number}, {target:?}, seed {seed}, ray {index}: {:?}, occluded {}\n{ray}",
+                            hits[i], occluded[i]
+                        )
+                    });
+                }
+            }
+        }
+        hits.iter().for_each(|hit| tally.hit(!hit.is_miss()));
+    })
+}
+
+fn check(name: &str, mesh: &Mesh, scene: &Scene, origins: u64, rays: u64, seed: u64) {
+    assert!(meshes::is_closed(mesh), "{name} is not closed, so that its rays prove nothing");
+    let inside = inside(mesh, scene.octree.parts().frame.scale(), origins, seed);
+    assert!(inside.len() as u64 >= origins / 4, "{name}: only {} origins inside", inside.len());
+    let parts = scene.octree.parts();
+    let threads = CpuTracer::new(scene.octree.view());
+    let slab = Stepping::<Slab, Standard>::new(&parts);
+    let pluecker = Stepping::<Pluecker, Standard>::new(&parts);
+    let tracers: [Any<'_>; 4] = [&scene.octree, &threads, &slab, &pluecker];
+    for target in [Target::Edge, Target::Vertex] {
+        let tally = misses(&tracers, mesh, &inside, target, scaled(rays), seed);
+        tally.passes(&format!("P1, {name}, {target:?}, {} origins", inside.len()), 1.0);
+    }
+}
+
+#[test]
+fn rays_from_inside_smooth_meshes_hit() {
+    for (name, mesh, seed) in
+        [("icosphere", meshes::icosphere(3), 31), ("bumpy sphere", meshes::bumpy_sphere(3, 3), 32)]
+    {
+        check(name, &mesh, &Scene::new(&mesh), ORIGINS, RAYS, seed);
+    }
+}
+
+#[test]
+fn rays_from_inside_meshes_of_needles_and_collinear_triangles_hit() {
+    let straight = meshes::needle_box(30);
+    let turned = meshes::turned(&straight);
+    for (name, mesh, seed) in [("needle box", straight, 33), ("turned needle box", turned, 34)] {
+        check(name, &mesh, &Scene::new(&mesh), ORIGINS, RAYS, seed);
+    }
+}
+
+#[test]
+fn rays_from_inside_the_dragon_hit() {
+    if let Some((mesh, scene)) = scenes::dragon("P1 in the dragon") {
+        check("dragon", mesh, scene, 64, 5_000, 35);
+    }
+}
