@@ -3,7 +3,6 @@
 //! `cargo bench --bench trace [-- SCENE ...]`; LEAFWALK_SCENES names the folder of real scenes, without it the default
 //! is made in code.
 
-#[path = "../tests/support/mod.rs"]
 mod support;
 
 use leafwalk::{Builder, Mesh};

@@ -70,8 +70,9 @@ impl View {
         let is_empty = (0..3).any(|k| bounds.lower[k] > bounds.upper[k]);
         let (lower, upper) = if is_empty { ([-0.5; 3], [0.5; 3]) } else { (bounds.lower, bounds.upper) };
         let at = scale(add(lower, upper), 0.5);
-        let view = Self { eye: add(at, Self::THREE_QUARTER), at, up: Self::UP, fov };
-        let Some([right, up, back]) = view.basis() else { return view };
+        // Eye and at are one until the distance is known.
+        let view = Self { eye: at, at, up: Self::UP, fov };
+        let Some([right, up, back]) = basis(Self::THREE_QUARTER, Self::UP) else { return view };
 
         let tangent = view.tangent();
         let distance = (0..8)
@@ -91,15 +92,16 @@ impl View {
     fn tangent(&self) -> f64 {
         (0.5 * self.fov.to_radians()).tan()
     }
+}
 
-    /// Unit vectors to the right, up and back, `None` where the view has no direction or no up.
-    fn basis(&self) -> Option<[Vector; 3]> {
-        let back = unit(sub(self.eye, self.at))?;
-        let sideways = cross(unit(self.up)?, back);
-        let is_parallel = length(sideways) < PARALLEL;
-        let right = unit(sideways).filter(|_| !is_parallel)?;
-        Some([right, cross(back, right), back])
-    }
+/// Unit vectors to the right, up and back of a camera that looks against `back`; `None` where that or up is no
+/// direction, or they are one.
+fn basis(back: Vector, up: Vector) -> Option<[Vector; 3]> {
+    let back = unit(back)?;
+    let sideways = cross(unit(up)?, back);
+    let is_parallel = length(sideways) < PARALLEL;
+    let right = unit(sideways).filter(|_| !is_parallel)?;
+    Some([right, cross(back, right), back])
 }
 
 /// Sine of the angle to the line of sight below which an up vector counts as parallel to it.
@@ -133,7 +135,9 @@ impl Camera {
         if view.eye == view.at {
             return Err(CameraError::NoDirection { eye: view.eye });
         }
-        let Some(basis) = view.basis() else { return Err(CameraError::UpAlongView { up: view.up }) };
+        let Some(basis) = basis(sub(view.eye, view.at), view.up) else {
+            return Err(CameraError::UpAlongView { up: view.up });
+        };
         let pixel = 2.0 * view.tangent() / f64::from(size.height);
         Ok(Self { size, eye: view.eye.map(|c| c as f32), basis, pixel })
     }

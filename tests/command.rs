@@ -137,6 +137,19 @@ fn damaged_files_are_refused() {
     }
 }
 
+#[test]
+fn huge_files_cost_neither_time_nor_memory() {
+    let shell = with_octree();
+    shell.write("other.lwk", "something else");
+    for (name, reason) in [("other.lwk", "this is no leafwalk octree"), ("sphere.lwk", "something was appended")] {
+        let file = std::fs::File::options().write(true).open(shell.path(name)).expect("a file of ours");
+        file.set_len(1 << 40).expect("room for a sparse file");
+        let outcome = shell.run(&format!("info {name}"));
+        outcome.assert_code(1);
+        assert!(outcome.stderr.contains(reason), "{outcome:?}");
+    }
+}
+
 fn flipped(bytes: &[u8], at: usize) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     bytes[at] ^= 0x10;
@@ -220,6 +233,7 @@ fn wrong_usage_is_told_from_failed_work() {
         "build sphere.obj",
         "build sphere.obj -o sphere.txt",
         "build sphere.obj -o out.lwk --threads 0",
+        "build sphere.obj -o out.lwk --threads 60000",
         "build sphere.obj -o out.lwk --threads many",
         "build sphere.obj -o out.lwk --max-level 17",
         "build sphere.obj -o out.lwk --budget 0.5",

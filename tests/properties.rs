@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use rayon::prelude::*;
-use support::properties::{build, decode, trace};
+use support::properties::{decode, mesh, trace};
 use support::random::Random;
 
 /// Seeded bytes; a quarter of them small numbers, which spell more valid things than others do.
@@ -29,22 +29,23 @@ fn saved(target: &str) -> Vec<Vec<u8>> {
 
 #[test]
 fn any_words_decode_or_say_why_not() {
-    saved("decode").iter().for_each(|bytes| drop(decode::check(bytes)));
-    let accepted: u64 = (0..60_000).into_par_iter().map(|i| u64::from(decode::check(&seeded(1, i, 400)))).sum();
-    println!("decode: {accepted} of 60000 edits accepted and traced");
-    assert!((2_000..58_000).contains(&accepted), "{accepted} accepted: the edits test too little");
+    let kept = saved("decode").iter().filter(|bytes| decode::check(bytes)).count();
+    assert!(kept > 0, "no saved input decodes");
+    let accepted: u64 = (0..40_000).into_par_iter().map(|i| u64::from(decode::check(&seeded(1, i, 400)))).sum();
+    println!("decode: {accepted} of 40000 edits accepted and traced");
+    assert!((2_000..38_000).contains(&accepted), "{accepted} accepted: the edits test too little");
 }
 
 #[test]
 fn any_mesh_builds_or_says_why_not() {
-    saved("build").iter().for_each(|bytes| build::check(bytes));
-    (0..4_000).into_par_iter().for_each(|i| build::check(&seeded(2, i, 900)));
+    saved("mesh").iter().for_each(|bytes| mesh::check(bytes));
+    (0..4_000).into_par_iter().for_each(|i| mesh::check(&seeded(2, i, 900)));
 }
 
 #[test]
 fn any_ray_is_answered_as_by_brute_force() {
     saved("trace").iter().for_each(|bytes| trace::check(bytes));
-    (0..4_000).into_par_iter().for_each(|i| trace::check(&seeded(3, i, 900)));
+    (0..1_500).into_par_iter().for_each(|i| trace::check(&seeded(3, i, 900)));
 }
 
 #[test]

@@ -46,6 +46,10 @@ impl Context {
                 // There is nobody left to tell.
                 let _ = fs::remove_file(path);
             }
+            if io::stderr().is_terminal() {
+                // Below the bar, and the `^C` that the terminal shows.
+                let _ = writeln!(io::stderr());
+            }
             print_error(&CommandError::Cancelled);
             std::process::exit(CANCELLED.into());
         };

@@ -36,12 +36,15 @@ struct Cli {
     json: bool,
 
     /// Threads to work with; by default one for each core.
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
     threads: Option<u16>,
 
     #[command(subcommand)]
     command: Option<Command>,
 }
+
+/// More than any machine has cores; starting tens of thousands by mistake would do harm.
+const MOST_THREADS: i64 = 4096;
 
 const EXAMPLES: &str = "\
 Examples:

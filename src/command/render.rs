@@ -13,11 +13,12 @@ use super::error::CommandError;
 use super::input::{self, Input};
 use super::report::Report;
 use crate::camera::{Camera, Size, View};
-use crate::picture::false_colour::{FalseColour, Scale};
+use crate::picture::drawing::Drawing;
+use crate::picture::false_colour::Scale;
 use crate::picture::meter::{Meter, Primary, Traced};
 use crate::picture::surface::Surfaces;
 use crate::picture::vector::Vector;
-use crate::picture::{Image, PictureError, lit};
+use crate::picture::{Image, PictureError};
 use crate::scene::Material;
 
 /// Draw a mesh or an octree as a PNG.
@@ -127,8 +128,8 @@ pub(crate) fn run(args: &RenderArgs, context: &Context) -> Result<(), CommandErr
     add_rays(&mut report, &meter.traced);
     add_primary(&mut report, &meter.primary);
     if let Some(scale) = scale {
-        report.add("scale_lowest", "scale, lowest", scale.lowest);
-        report.add("scale_highest", "scale, highest", scale.highest);
+        report.add_as("scale_lowest", "scale, lowest", scale.lowest, scale.lowest.to_string());
+        report.add_as("scale_highest", "scale, highest", scale.highest, scale.highest.to_string());
     }
     add_picture(&mut report, &args.output);
     context.report(&report)
@@ -153,14 +154,13 @@ impl RenderArgs {
         camera: &Camera,
         context: &Context,
     ) -> Result<(Image, Option<Scale>), PictureError<LengthMismatch>> {
-        let progress = &progress(camera.size(), context);
-        let false_colour = FalseColour { meter, camera, progress };
+        let drawing = Drawing { meter, surfaces, camera, progress: &progress(camera.size(), context) };
         match self.shade {
-            Shade::Lit => Ok((lit::render(false_colour.meter, surfaces, camera, progress)?, None)),
-            Shade::Normal => Ok((false_colour.normals(surfaces)?, None)),
-            Shade::Primitive => Ok((false_colour.primitives()?, None)),
-            Shade::Depth => false_colour.depths(),
-            Shade::Cells => false_colour.cells(),
+            Shade::Lit => Ok((drawing.lit()?, None)),
+            Shade::Normal => Ok((drawing.normals()?, None)),
+            Shade::Primitive => Ok((drawing.primitives()?, None)),
+            Shade::Depth => drawing.depths(),
+            Shade::Cells => drawing.cells(),
         }
     }
 }

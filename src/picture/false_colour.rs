@@ -1,26 +1,14 @@
 //! Pictures whose colours are data: one primary ray a pixel.
 
-use core::ops::ControlFlow;
-
-use leafwalk::{CpuTracer, Hit, LengthMismatch, Ray, Work};
+use leafwalk::{Hit, LengthMismatch, Ray, Work};
 use rayon::prelude::*;
 
-use super::meter::Meter;
-use super::surface::Surfaces;
+use super::drawing::Drawing;
 use super::vector::{Vector, mix};
 use super::{Image, PictureError, batches, primary_ray};
-use crate::camera::Camera;
 
 /// One answer of a batch.
 type Answer = (Hit, Work);
-
-/// Takes false-colour pictures of an octree.
-pub(crate) struct FalseColour<'a, 'm, W> {
-    pub(crate) meter: &'a mut Meter<'m, CpuTracer<W>>,
-    pub(crate) camera: &'a Camera,
-    /// Hears of finished pixels and may stop the work.
-    pub(crate) progress: &'a dyn Fn(usize) -> ControlFlow<()>,
-}
 
 /// The smallest and the largest value of a picture's scale.
 #[derive(Clone, Copy, Debug)]
@@ -29,10 +17,10 @@ pub(crate) struct Scale {
     pub(crate) highest: f32,
 }
 
-impl<W: AsRef<[u32]> + Sync> FalseColour<'_, '_, W> {
+impl<W: AsRef<[u32]> + Sync> Drawing<'_, '_, W> {
     /// The unit normal, on the side that is seen: x, y and z as red, green and blue, -1 dark and 1 bright.
-    pub(crate) fn normals(self, surfaces: &Surfaces) -> Result<Image, PictureError<LengthMismatch>> {
-        let size = self.camera.size();
+    pub(crate) fn normals(self) -> Result<Image, PictureError<LengthMismatch>> {
+        let (size, surfaces) = (self.camera.size(), self.surfaces);
         let colour = |ray: &Ray, (hit, _): &Answer| {
             let normal = surfaces.at(hit, ray.direction).map(|surface| surface.normal);
             normal.map_or(BACKGROUND, |normal| normal.map(|c| to_byte(0.5 + 0.5 * c)))

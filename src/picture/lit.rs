@@ -1,15 +1,13 @@
 //! A mesh as it would look on a photographer's table: a key light with traced shadows, and fill.
 
-use core::ops::ControlFlow;
-
-use leafwalk::{CpuTracer, LengthMismatch, Ray};
+use leafwalk::{LengthMismatch, Ray};
 use rayon::prelude::*;
 
-use super::meter::Meter;
-use super::surface::{Surface, Surfaces};
+use super::drawing::Drawing;
+use super::surface::Surface;
 use super::vector::{Vector, add, dot, mix, mul, scale, tangents, unit};
 use super::{Draws, Image, PictureError, SAMPLES, batches, in_cell, primary_ray, spread, to_display};
-use crate::camera::Camera;
+use crate::camera::{Camera, Size};
 
 /// Where the key light stands, along the camera's right, up and back.
 const KEY_FROM: Vector = [-0.7, 0.8, 0.5];
@@ -23,57 +21,55 @@ const CAMERA_LIGHT: f64 = 0.2;
 /// Behind the mesh, at the picture's lower and upper end.
 const BACKDROP: [Vector; 2] = [[0.46, 0.48, 0.51], [0.14, 0.16, 0.20]];
 
-/// Renders a mesh, flat-shaded; `progress` hears of finished pixels and may stop the work.
-pub(crate) fn render<W: AsRef<[u32]> + Sync>(
-    meter: &mut Meter<'_, CpuTracer<W>>,
-    surfaces: &Surfaces,
-    camera: &Camera,
-    progress: &dyn Fn(usize) -> ControlFlow<()>,
-) -> Result<Image, PictureError<LengthMismatch>> {
-    let mut image = Image::with_capacity(camera.size())?;
-    let studio = Studio::new(camera);
-    for pixels in batches(camera.size(), SAMPLES) {
-        if progress(pixels.start).is_break() {
-            return Err(PictureError::Cancelled);
-        }
-        let sampled = |sample: usize| (pixels.start + sample / SAMPLES, sample % SAMPLES);
-        let samples = (0..pixels.len() * SAMPLES).into_par_iter();
-        let rays: Vec<Ray> = samples
-            .map(|sample| {
-                let (pixel, sample) = sampled(sample);
-                primary_ray(camera, pixel, in_cell(Draws::new(pixel, 0).point(), sample))
-            })
-            .collect();
-        let answers = meter.primary_hits(&rays).map_err(PictureError::Tracer)?;
-        let hits: Vec<Option<(Surface, Ray)>> = (&rays, &answers)
-            .into_par_iter()
-            .enumerate()
-            .map(|(index, (ray, (hit, _)))| {
-                let (pixel, sample) = sampled(index);
-                let surface = surfaces.at(hit, ray.direction)?;
-                let shadow = studio.shadow_ray(&surface, spread(Draws::new(pixel, 1).point(), sample));
-                Some((surface, shadow))
-            })
-            .collect();
+/// A hit, the ray to a place on the key light, and how much of that light it reflects if nothing is in between.
+struct Lit {
+    surface: Surface,
+    shadow: Option<(Ray, f64)>,
+}
 
-        let is_lit = |(surface, shadow): &&(Surface, Ray)| studio.faces(surface, shadow) > 0.0;
-        let shadows: Vec<Ray> = hits.iter().flatten().filter(is_lit).map(|(_, shadow)| *shadow).collect();
-        let mut occluded = meter.occlusions(&shadows).map_err(PictureError::Tracer)?.into_iter();
-        let mut sums = vec![[0.0; 3]; pixels.len()];
-        for (sample, (hit, ray)) in hits.iter().zip(&rays).enumerate() {
-            let colour = match hit {
-                None => studio.backdrop(camera, pixels.start + sample / SAMPLES),
-                Some(hit) => {
-                    let is_lit = is_lit(&hit) && occluded.next() == Some(false);
-                    let key = if is_lit { studio.faces(&hit.0, &hit.1) } else { 0.0 };
-                    studio.reflected(&hit.0, key, ray)
-                }
-            };
-            sums[sample / SAMPLES] = add(sums[sample / SAMPLES], colour);
+impl<W: AsRef<[u32]> + Sync> Drawing<'_, '_, W> {
+    /// The mesh flat-shaded in its materials' colours.
+    pub(crate) fn lit(self) -> Result<Image, PictureError<LengthMismatch>> {
+        let size = self.camera.size();
+        let mut image = Image::with_capacity(size)?;
+        let studio = Studio::new(self.camera);
+        for pixels in batches(size, SAMPLES) {
+            if (self.progress)(pixels.start).is_break() {
+                return Err(PictureError::Cancelled);
+            }
+            let pixel_of = |sample: usize| pixels.start + sample / SAMPLES;
+            let samples = (0..pixels.len() * SAMPLES).into_par_iter();
+            let place = |sample| in_cell(Draws::new(pixel_of(sample), 0).point(), sample);
+            let rays = samples.map(|sample| primary_ray(self.camera, pixel_of(sample), place(sample)));
+            let rays: Vec<Ray> = rays.collect();
+            let answers = self.meter.primary_hits(&rays).map_err(PictureError::Tracer)?;
+
+            let hits: Vec<Option<Lit>> = (&rays, &answers)
+                .into_par_iter()
+                .enumerate()
+                .map(|(sample, (ray, (hit, _)))| {
+                    let surface = self.surfaces.at(hit, ray.direction)?;
+                    let place = spread(Draws::new(pixel_of(sample), 1).point(), sample % SAMPLES);
+                    Some(Lit { surface, shadow: studio.shadow_ray(&surface, place) })
+                })
+                .collect();
+            let shadows: Vec<Ray> = hits.iter().flatten().filter_map(|hit| Some(hit.shadow?.0)).collect();
+            let mut occluded = self.meter.occlusions(&shadows).map_err(PictureError::Tracer)?.into_iter();
+            let mut sums = vec![[0.0; 3]; pixels.len()];
+            for (sample, (hit, ray)) in hits.iter().zip(&rays).enumerate() {
+                let colour = match hit {
+                    None => studio.backdrop(size, pixel_of(sample)),
+                    Some(Lit { surface, shadow }) => {
+                        let unshadowed = shadow.filter(|_| occluded.next() == Some(false));
+                        studio.reflected(surface, unshadowed.map_or(0.0, |(_, key)| key), ray)
+                    }
+                };
+                sums[sample / SAMPLES] = add(sums[sample / SAMPLES], colour);
+            }
+            image.pixels.par_extend(sums.par_iter().map(|sum| to_display(scale(*sum, 1.0 / SAMPLES as f64))));
         }
-        image.pixels.par_extend(sums.par_iter().map(|sum| to_display(scale(*sum, 1.0 / SAMPLES as f64))));
+        Ok(image)
     }
-    Ok(image)
 }
 
 /// The lights, which move with the camera.
@@ -89,17 +85,14 @@ impl Studio {
         Self { up, key: unit(key).unwrap_or(up) }
     }
 
-    /// The ray to a place on the key light.
-    fn shadow_ray(&self, surface: &Surface, [turn, area]: [f64; 2]) -> Ray {
+    /// The ray to a place on the key light, and how much the surface faces it; `None` where it turns away.
+    fn shadow_ray(&self, surface: &Surface, [turn, area]: [f64; 2]) -> Option<(Ray, f64)> {
         let (sine, cosine) = (core::f64::consts::TAU * turn).sin_cos();
         let [u, v] = tangents(self.key).map(|tangent| scale(tangent, KEY_RADIUS * area.sqrt()));
         let direction = add(self.key, add(scale(u, cosine), scale(v, sine)));
-        Ray::new(surface.lifted.map(|c| c as f32), direction.map(|c| c as f32))
-    }
-
-    /// How much a surface faces the light that a shadow ray leads to; negative when it turns away.
-    fn faces(&self, surface: &Surface, shadow: &Ray) -> f64 {
-        dot(surface.normal, shadow.direction.map(f64::from))
+        let faces = dot(surface.normal, direction);
+        let ray = Ray::new(surface.lifted.map(|c| c as f32), direction.map(|c| c as f32));
+        (faces > 0.0).then_some((ray, faces))
     }
 
     fn reflected(&self, surface: &Surface, key: f64, ray: &Ray) -> Vector {
@@ -110,8 +103,8 @@ impl Studio {
         add(emission, mul(diffuse, light))
     }
 
-    fn backdrop(&self, camera: &Camera, pixel: usize) -> Vector {
-        let row = pixel / camera.size().width as usize;
-        mix(BACKDROP[1], BACKDROP[0], row as f64 / f64::from(camera.size().height))
+    fn backdrop(&self, size: Size, pixel: usize) -> Vector {
+        let row = pixel / size.width as usize;
+        mix(BACKDROP[1], BACKDROP[0], row as f64 / f64::from(size.height))
     }
 }

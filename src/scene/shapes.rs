@@ -82,7 +82,7 @@ impl Shape {
             // The torus' own normal turns with the knot, so that the tube closes.
             let winding = turn * f64::from(around);
             let outward = sub(centre, [2.0 * winding.cos(), 2.0 * winding.sin(), 0.0]);
-            let side = cross(along, outward);
+            let side = cross(outward, along);
             (0..sides).map(move |k| {
                 let (sine, cosine) = angle(k, sides).sin_cos();
                 add(centre, scale(add(scale(outward, cosine), scale(side, sine)), radius))

@@ -15,7 +15,7 @@ fn check(name: &str, mesh: &Mesh, level: u32) {
     verify_against(&octree, mesh).unwrap();
     let oracle = BruteForce::new(mesh).unwrap();
     let (centre, size) = rays::extent(mesh);
-    (0..8_000).into_par_iter().for_each(|index| {
+    (0..3_000).into_par_iter().for_each(|index| {
         let ray = rays::hard(mesh, centre, size, &mut Random::new(91, index));
         check_ray(&octree, &oracle, &ray);
     });

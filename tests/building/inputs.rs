@@ -37,10 +37,15 @@ fn vertices_must_be_finite() {
         let BuildError::NonFiniteVertex { vertex: found, position } = error else { panic!("{error}") };
         assert_eq!((found, position[2].to_bits()), (vertex, value.to_bits()));
 
-        let using = mesh.triangles.iter().filter(|triangle| triangle.contains(&vertex)).count() as u32;
         let octree = Builder::new().lenient().build(&mesh).unwrap();
-        let equal_corners = Builder::new().build(&meshes::soup(100, 42)).unwrap().stats().dropped;
-        assert_eq!(octree.stats().dropped, using + equal_corners);
+        let corners = (0..mesh.triangles.len()).map(|i| mesh.corners(i));
+        let is_left_out = |[a, b, c]: &[[f32; 3]; 3]| {
+            let finite = [a, b, c].into_iter().flatten().all(|c| c.is_finite());
+            !finite || a == b || b == c || c == a
+        };
+        let left_out = corners.filter(is_left_out).count();
+        assert!(left_out > 0);
+        assert_eq!(octree.stats().dropped as usize, left_out);
         assert_eq!(octree.stats().collapsed, 0);
         verify_against(&octree, &mesh).unwrap();
     }
@@ -170,7 +175,7 @@ fn flat_and_collinear_meshes_are_normal() {
 
 #[test]
 fn huge_and_tiny_extents_only_change_the_scale() {
-    for scale in [1e38, 3e38, 1e30, 1e-20, 1e-30, 1e-38] {
+    for scale in [1.5e38, 1e30, 1e-20, 1e-30, 1e-38] {
         let mesh = meshes::placed(&meshes::soup(200, 46), scale, 0.0);
         assert!(mesh.positions.as_flattened().iter().all(|c| c.is_finite()), "{scale}");
         let octree = Builder::new().step_cost(1.0).build(&mesh).unwrap();

@@ -8,6 +8,7 @@ use leafwalk_core::layout::{Key, PADDING};
 use rayon::prelude::*;
 
 use crate::support::meshes;
+use crate::support::random::Random;
 
 /// Clipping in f64 moves a corner by less; a part that is left of the cell shrunk by it really meets the cell.
 const CERTAIN: f64 = 1.0 / (1u64 << 46) as f64;
@@ -84,13 +85,19 @@ fn no_reference_is_missing() {
     check("clump", &meshes::placed(&meshes::soup(150, 73), 1e-3, 1.0), &fine);
 }
 
-/// Triangles whose corners lie on planes of cells, or one ULP off.
-fn lattice_soup(count: u32) -> Mesh {
-    let mut positions = vec![[-1.0f32; 3], [1.0 - 1.0 / 64.0; 3]];
-    for i in 0..3 * count {
-        let mut random = crate::support::random::Random::new(74, u64::from(i));
-        let corner = random.vector().map(|c| (c * 8.0).round() / 8.0);
-        positions.push(corner.map(|c| random.nudge(c)));
+/// Small triangles whose corners lie on planes of cells, or one ULP off.
+pub(crate) fn lattice_soup(count: u32) -> Mesh {
+    // Around 0, so that planes of cells are multiples of powers of two.
+    let reach = 1.0 - 1.0 / 64.0;
+    let mut positions = vec![[-reach; 3], [reach; 3]];
+    for i in 0..count {
+        let mut random = Random::new(74, u64::from(i));
+        let step = [0.0, 1.0 / 16.0, 1.0 / 8.0];
+        let first = random.vector().map(|c| (c * 6.0).round() / 8.0);
+        for _ in 0..3 {
+            let corner = first.map(|c| c + step[random.below(3)]);
+            positions.push(corner.map(|c| random.nudge(c)));
+        }
     }
     let mut triangles: Vec<[u32; 3]> = (0..count).map(|i| [3 * i + 2, 3 * i + 3, 3 * i + 4]).collect();
     triangles.push([0, 1, 2]);

@@ -3,6 +3,7 @@
 use leafwalk::wire::Section;
 use leafwalk::{Builder, Mesh, Octree, VerifyError, verify, verify_against};
 use leafwalk_core::layout::{NONE, Payload};
+use leafwalk_cpu::Spoiled;
 
 use crate::support::edited::Edited;
 use crate::support::meshes;
@@ -21,6 +22,16 @@ fn what_is_built_verifies() {
     assert_eq!(verified.triangles, u64::from(stats.primitives - stats.dropped));
     assert_eq!(verified.references, u64::from(stats.references));
     assert_eq!(verify_against(&octree, &mesh), Ok(verified));
+}
+
+#[test]
+fn triangles_binned_without_padding_are_found() {
+    let mesh = super::listing::lattice_soup(300);
+    let builder = Builder::new().step_cost(0.5).reference_budget(64.0);
+    verify(&builder.build(&mesh).unwrap()).unwrap();
+    let spoiled = builder.spoil(Spoiled::Padding).build(&mesh).unwrap();
+    let error = verify(&spoiled).unwrap_err();
+    assert!(matches!(error, VerifyError::MissingReference { .. }), "{error}");
 }
 
 /// Takes a lane out of a block, and out of the header's count.
@@ -67,7 +78,7 @@ fn a_box_that_is_too_small_is_found() {
     let (_, octree) = scene();
     let valid = Edited::new(&octree);
     let mut shrunk = 0;
-    for (number, payload) in octree.parts().payloads.iter().enumerate() {
+    for (number, payload) in octree.parts().payloads.iter().enumerate().step_by(5) {
         for k in 0..3 {
             if payload.block_lower[k][0] == payload.block_upper[k][0] {
                 continue;
@@ -81,7 +92,7 @@ fn a_box_that_is_too_small_is_found() {
             shrunk += 1;
         }
     }
-    assert!(shrunk > 100, "{shrunk}");
+    assert!(shrunk > 30, "{shrunk}");
 }
 
 #[test]
@@ -115,18 +126,18 @@ fn another_mesh_is_told_apart() {
     let mut moved = mesh.clone();
     moved.positions.iter_mut().for_each(|p| p[0] += 64.0);
     assert_eq!(differs(&moved).0, "frame");
-    // One corner, by one ULP.
+    // One corner, by a little; of a triangle that was not dropped.
+    let listed = octree.parts().blocks[5].primitives[0];
     let mut other = mesh.clone();
-    let vertex = other.triangles[123][1];
-    let y = &mut other.positions[vertex as usize][1];
-    *y = y.next_up();
+    let vertex = other.triangles[listed as usize][1];
+    other.positions[vertex as usize][1] += 1e-3;
     let (what, primitive) = differs(&other);
     assert_eq!(what, "corners");
     assert!(other.triangles[primitive.unwrap() as usize].contains(&vertex));
     // Turned triangles have the same corners in another order.
     let mut turned = mesh.clone();
-    turned.triangles[7].rotate_left(1);
-    assert_eq!(differs(&turned), ("corners", Some(7)));
+    turned.triangles[listed as usize].rotate_left(1);
+    assert_eq!(differs(&turned), ("corners", Some(listed)));
     let mut painted = mesh.clone();
     painted.material_ids = vec![0; mesh.triangles.len()];
     assert_eq!(differs(&painted).0, "list of materials");
@@ -153,7 +164,7 @@ fn counts_of_a_hostile_header_cost_no_memory() {
     let hostile = Edited::new(&octree)
         .decode_with(|file| {
             file.header().primitives = NONE - 1;
-            file.header().dropped = 0;
+            (file.header().dropped, file.header().collapsed) = (0, 0);
         })
         .unwrap();
     let listed = u64::from(octree.stats().primitives - octree.stats().dropped);

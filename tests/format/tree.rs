@@ -42,7 +42,7 @@ fn bits_without_a_meaning_are_zero() {
 #[test]
 fn level_and_key_are_those_of_the_place() {
     let mut valid = levels();
-    for number in numbers(&mut valid) {
+    for number in numbers(&mut valid).step_by(3) {
         let at = number as usize;
         for level in 0..32 {
             let head = valid.records()[at].head;
@@ -104,11 +104,7 @@ fn no_leaf_is_deeper_than_the_deepest_level() {
     let mut triangles = vec![[0, 1, 2]];
     for i in 0..64u32 {
         let (x, y, size) = (0.2517, 0.2549, 2f32.powi(-18));
-        positions.extend([
-            [0.25 + i as f32 * size * 0.01, 0.25, 0.3],
-            [0.25 + size, 0.25, 0.3],
-            [0.25, 0.25 + size, 0.3],
-        ]);
+        positions.extend([[x + i as f32 * size * 0.01, y, 0.3], [x + size, y, 0.3], [x, y + size, 0.3]]);
         triangles.push([3 * i + 3, 3 * i + 4, 3 * i + 5]);
     }
     let octree = Builder::new().step_cost(0.5).build(&Mesh::new(positions, triangles)).unwrap();
@@ -122,11 +118,7 @@ fn no_leaf_is_deeper_than_the_deepest_level() {
     for number in deepest {
         expect(&valid, number, RecordFault::Children, |file| {
             let record = &mut file.records()[number as usize];
-            *record = Record {
-                head: RecordHead::inner(MAX_LEVEL).0,
-                offset: count - 8,
-                neighbours: [0; 6],
-            };
+            *record = Record { head: RecordHead::inner(MAX_LEVEL).0, offset: count - 8, neighbours: [0; 6] };
         });
     }
 }

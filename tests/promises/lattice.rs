@@ -3,7 +3,8 @@
 
 use leafwalk::{Builder, Mesh, Octree, Parts, Ray};
 use leafwalk_core::layout::{Key, LATTICE};
-use leafwalk_core::step::{Pluecker, Slab, Step};
+use leafwalk_core::lanes::Lanes;
+use leafwalk_core::step::{self, Cell, Exit, Pluecker, Slab, Step};
 use leafwalk_core::{Standard, Walk};
 
 use crate::support::rays::hex;
@@ -145,6 +146,33 @@ fn directions() -> Vec<[i32; 3]> {
     let found: Vec<_> = all.filter(|d| d.iter().any(|c| c.abs() == 1)).collect();
     assert_eq!(found.len(), 98);
     found
+}
+
+/// Takes the quadrant of an exit face that lies opposite to the right one.
+#[derive(Clone, Copy)]
+struct WrongQuadrant;
+
+impl Step for WrongQuadrant {
+    fn exit<L: Lanes>(line: &step::Line<L>, cell: &Cell<L>) -> Exit<L> {
+        Slab::exit(line, cell)
+    }
+
+    fn upper_halves<L: Lanes>(line: &step::Line<L>, cell: &Cell<L>, exit: &Exit<L>) -> L::Bits {
+        !Slab::upper_halves(line, cell, exit)
+    }
+}
+
+#[test]
+fn a_wrong_quadrant_is_noticed() {
+    let octree = &trees()[1];
+    let parts = octree.parts();
+    let walks = tally(1000, |indices, tally| {
+        for index in indices {
+            let origin = [index as i32 % 10 + 3, index as i32 / 10 % 10 + 3, index as i32 / 100 + 3];
+            walk::<WrongQuadrant>(&parts, Line { origin, direction: [2, 1, -1] }, index, tally);
+        }
+    });
+    walks.catches("the opposite quadrant of an exit face");
 }
 
 fn check_origins(name: &str, coordinates: &[i32], keep: impl Fn([i32; 3]) -> bool) {

@@ -4,7 +4,10 @@
 mod support;
 
 mod geometry;
+mod invalid_rays;
 mod lattice;
+mod metamorphic;
+mod mutants;
 mod oracle;
 mod same_answer;
 mod scenes;

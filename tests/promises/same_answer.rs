@@ -10,30 +10,21 @@ use crate::support::{meshes, rays};
 use crate::tally::{Any, Tally, bits, scaled, tally};
 use crate::variants::Stepping;
 
-/// Where the rays that tracers must agree on come from.
-pub trait Source: Sync {
-    /// A ray, of numbers that depend on nothing but the seed and the index.
-    fn ray(&self, random: &mut Random) -> Ray;
-}
-
-impl<F: Fn(&mut Random) -> Ray + Sync> Source for F {
-    fn ray(&self, random: &mut Random) -> Ray {
-        self(random)
-    }
-}
+/// A ray of numbers that depend on nothing but the seed and the index.
+pub type Source<'a> = &'a (dyn Fn(&mut Random) -> Ray + Sync);
 
 /// Rays of every hard kind at a mesh.
-pub fn hard(mesh: &Mesh) -> impl Source + use<'_> {
+pub fn hard(mesh: &Mesh) -> impl Fn(&mut Random) -> Ray + Sync + use<'_> {
     let (centre, size) = rays::extent(mesh);
     move |random: &mut Random| rays::hard(mesh, centre, size, random)
 }
 
 /// The rays on which a tracer differs from another that is right; half of the hits are traced with the ray cut next to
 /// them instead.
-pub fn differences(tracers: &[Any<'_>], oracle: Any<'_>, source: &impl Source, count: u64, seed: u64) -> Tally {
+pub fn differences(tracers: &[Any<'_>], oracle: Any<'_>, source: Source<'_>, count: u64, seed: u64) -> Tally {
     tally(count, |indices, tally| {
         let mut randoms: Vec<Random> = indices.clone().map(|index| Random::new(seed, index)).collect();
-        let mut rays: Vec<Ray> = randoms.iter_mut().map(|random| source.ray(random)).collect();
+        let mut rays: Vec<Ray> = randoms.iter_mut().map(|random| source(random)).collect();
         let mut expected = vec![Hit::MISS; rays.len()];
         let mut found = expected.clone();
         let mut occluded = vec![false; rays.len()];
@@ -125,7 +116,7 @@ fn batches_give_what_single_calls_give() {
     let octree = Builder::new().build(&mesh).expect("a mesh that builds");
     let tracer = CpuTracer::new(octree.view());
     let source = hard(&mesh);
-    let rays: Vec<Ray> = (0..10_000).map(|i| source.ray(&mut Random::new(9, i))).collect();
+    let rays: Vec<Ray> = (0..10_000).map(|i| source(&mut Random::new(9, i))).collect();
     let mut hits = vec![Hit::MISS; rays.len()];
     let mut occluded = vec![false; rays.len()];
     let mut worked = vec![(Hit::MISS, Work::default()); rays.len()];

@@ -1,8 +1,8 @@
 //! The sections as one run of words.
 
-use leafwalk_core::Octree;
 use leafwalk_core::layout::{BLOCK_WORDS, Block, KEY_WORDS, PADDING, PAYLOAD_WORDS, Payload, RECORD_WORDS};
 use leafwalk_core::wire::{self, Header, Section};
+use leafwalk_core::{Octree, Policy};
 use rayon::prelude::*;
 
 use super::leaf::{self, block_count, payload_count};
@@ -10,7 +10,7 @@ use super::link::{Linked, link};
 use super::monitor::Monitor;
 use super::normalise::Normalised;
 use super::tree::Tree;
-use super::{BuildError, Settings};
+use super::{BuildError, Settings, Spoiled};
 use crate::mesh::Mesh;
 
 /// Leaves a task fills.
@@ -83,7 +83,18 @@ pub(crate) fn assemble(
     section(Section::Grid).copy_from_slice(&linked.grid);
     section(Section::Materials).copy_from_slice(&mesh.material_ids);
     wire::seal(&mut words, &spans);
-    Ok(Octree::from_words(words).unwrap_or_else(|error| unreachable!("a build gives valid words: {error}")))
+    let octree = match settings.spoiled {
+        Spoiled::MeshMargin => Octree::from_words_with::<Touching>(words),
+        _ => Octree::from_words(words),
+    };
+    Ok(octree.unwrap_or_else(|error| unreachable!("a build gives valid words: {error}")))
+}
+
+/// For builds whose mesh margin is spoiled.
+#[derive(Clone, Copy)]
+struct Touching;
+impl Policy for Touching {
+    const KEEPS_MESH_MARGIN: bool = false;
 }
 
 /// Fills payloads and blocks, leaf after leaf, tasks in parallel.

@@ -77,6 +77,7 @@ pub(crate) struct Settings {
     budget: usize,
     memory_limit: u64,
     padding: f32,
+    spoiled: Spoiled,
 }
 
 impl Settings {
@@ -169,6 +170,7 @@ impl Builder {
             budget: ((f64::from(self.budget) * mesh.triangles.len() as f64) as usize).max(LEAST_BUDGET),
             memory_limit: self.memory_limit,
             padding: if self.spoiled == Spoiled::Padding { 0.0 } else { PADDING },
+            spoiled: self.spoiled,
         };
         settings.check_memory(mesh.triangles.len() as u64 * normalise::BYTES_PER_TRIANGLE)?;
         let normalised = self.normalise(mesh)?;

@@ -37,7 +37,8 @@ pub fn ray(bytes: &mut Bytes<'_>) -> Ray {
     Ray::between(origin, direction, t_min, t_max)
 }
 
-/// Two crossing sheets of triangles on a lattice of 1/8, a needle, a wall, and a speck that deepens the octree.
+/// Two crossing sheets of triangles on a lattice of 1/8, a needle, a wall, and a speck that deepens the octree. Around
+/// 0, so that planes of cells are multiples of powers of two.
 fn lattice_mesh() -> Mesh {
     let mut positions = Vec::new();
     let mut add = |corners: [[f32; 3]; 3]| positions.extend(corners);
@@ -47,7 +48,7 @@ fn lattice_mesh() -> Mesh {
         add([[x, y, 0.5], [x + step, y, 0.5], [x, y + step, 0.5]]);
         add([[x, 0.25, y], [x, 0.25, y + step], [x + step, 0.375, y]]);
     }
-    add([[-1.0, -1.0, 0.25], [1.0, 1.0, 0.25], [1.0, 1.000_001, 0.25]]);
+    add([[-1.0, -1.0, 0.25], [1.0, 1.0, 0.25], [1.0, 0.999_999, 0.25]]);
     add([[-1.0, -1.0, -1.0], [1.0, -1.0, -0.5], [-1.0, 1.0, 1.0]]);
     for i in 0..32 {
         let [x, y] = [i % 4, i / 4].map(|i| 0.25 + i as f32 * 1e-3);

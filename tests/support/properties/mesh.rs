@@ -21,6 +21,12 @@ pub fn check(bytes: &[u8]) {
             index => u32::from(index) % vertices as u32,
         }));
     }
+    if settings & 128 != 0 {
+        // The root lies around 0: planes of cells are on the lattice of the coordinates.
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([[-2.0; 3], [2.0; 3], [2.0, -2.0, 2.0]]);
+        mesh.triangles.push([first, first + 1, first + 2]);
+    }
     if settings & 1 == 1 {
         mesh.material_ids = (0..mesh.triangles.len() as u32).collect();
     }

@@ -1,0 +1,61 @@
+//! Mutants of the triangle test.
+
+use leafwalk::{Mesh, Octree};
+
+use super::number::{Arithmetic, Fused, Number, Plain, Sound, Strict};
+use crate::oracle;
+use crate::same_answer::{differences, hard};
+use crate::scenes::Scene;
+use crate::support::meshes;
+use crate::support::rays::Target;
+use crate::tally::Tally;
+use crate::variants::{Every, Visited};
+use crate::watertight::{inside, misses};
+
+const RAYS: u64 = 20_000;
+
+/// P1 by testing every triangle with an arithmetic.
+fn leaks<A: Arithmetic>(mesh: &Mesh, target: Target) -> Tally {
+    let scene = Scene::new(mesh);
+    let inside = inside(mesh, scene.octree.parts().frame.scale(), 256, 51);
+    misses(&[&Every::<Number<A>>::of(&scene.octree)], mesh, &inside, target, RAYS, 51)
+}
+
+/// P2, the arithmetic being the same on both sides.
+fn disagreements<A: Arithmetic>(mesh: &Mesh, octree: &Octree<Vec<u32>>) -> Tally {
+    let parts = octree.parts();
+    let visited = Visited::<Number<A>>::of(&parts);
+    differences(&[&visited], &Every::<Number<A>>::of(octree), &hard(mesh), RAYS, 52)
+}
+
+/// Hits off their triangles.
+fn strays<A: Arithmetic>(mesh: &Mesh, octree: &Octree<Vec<u32>>) -> Tally {
+    let every = Every::<Number<A>>::of(octree);
+    oracle::faults(&every, &octree.parts().frame, mesh, &hard(mesh), RAYS, 53).0
+}
+
+#[test]
+fn plain_differences_in_the_finish() {
+    // Nearly in the plane of a needle, plain differences accept rays that pass far from it.
+    let mesh = meshes::shards(500, 1e-3..4.0, 1e6, 54);
+    let octree = Scene::new(&mesh).octree;
+    disagreements::<Sound>(&mesh, &octree).passes("sound arithmetic, P2", 0.05);
+    disagreements::<Plain>(&mesh, &octree).catches("plain U, V, W in the finish, by P2");
+    strays::<Sound>(&mesh, &octree).passes("sound arithmetic, f64", 0.05);
+    strays::<Plain>(&mesh, &octree).catches("plain U, V, W in the finish, by f64");
+}
+
+#[test]
+fn less_instead_of_at_most() {
+    let mesh = meshes::icosphere(2);
+    for target in [Target::Edge, Target::Vertex] {
+        leaks::<Sound>(&mesh, target).passes("sound arithmetic, P1", 1.0);
+        leaks::<Strict>(&mesh, target).catches("< for <= in the triangle test");
+    }
+}
+
+#[test]
+fn fused_products() {
+    let mesh = meshes::icosphere(2);
+    leaks::<Fused>(&mesh, Target::Edge).catches("fused multiply-add in the triangle test");
+}

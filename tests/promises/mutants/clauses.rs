@@ -1,0 +1,137 @@
+//! Mutants of the walk's clauses that plain scenes show.
+
+use leafwalk::{Builder, CpuTracer, Mesh, Octree, Ray};
+use leafwalk_core::step::{Pluecker, Slab};
+use leafwalk_core::{Policy, Standard};
+use leafwalk_cpu::Spoiled;
+
+use crate::same_answer::{Source, differences, hard};
+use crate::support::random::Random;
+use crate::support::rays::{Target, extent, point_on};
+use crate::support::{meshes, rays};
+use crate::tally::Tally;
+use crate::variants::{Every, Stepping};
+use crate::watertight::{inside, misses};
+
+const RAYS: u64 = 20_000;
+
+/// P2 under a policy, by both kinds of step.
+pub fn under<P: Policy + Sync>(octree: &Octree<Vec<u32>>, source: Source<'_>, seed: u64) -> Tally {
+    let parts = octree.parts();
+    let slab = Stepping::<Slab, P>::new(&parts);
+    let pluecker = Stepping::<Pluecker, P>::new(&parts);
+    differences(&[&slab, &pluecker], &Every::<f32>::of(octree), source, RAYS, seed)
+}
+
+#[derive(Clone, Copy)]
+struct FirstHit;
+impl Policy for FirstHit {
+    const STOPS_AT_FIRST_HIT: bool = true;
+}
+
+#[test]
+fn stop_at_the_first_hit() {
+    let mesh = meshes::soup(1000, 61);
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
+    under::<Standard>(&octree, &hard(&mesh), 61).passes("the walk on, P2", 0.05);
+    under::<FirstHit>(&octree, &hard(&mesh), 61).catches("stop at the first hit");
+}
+
+/// From 1e5 to 1e7 sizes away.
+fn far(mesh: &Mesh) -> impl Fn(&mut Random) -> Ray + Sync + use<'_> {
+    let (centre, size) = extent(mesh);
+    move |random: &mut Random| {
+        let distance = size * 10f32.powf(5.0 + 2.0 * random.unit());
+        let away = random.direction();
+        let origin = core::array::from_fn(|k| centre[k] + distance * away[k]);
+        rays::towards(origin, point_on(mesh, Target::Inside, random))
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Reported;
+impl Policy for Reported {
+    const ORDERS_BY_REPORTED: bool = true;
+}
+
+#[test]
+fn order_by_the_reported_t() {
+    let mesh = meshes::soup(1000, 62);
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
+    under::<Standard>(&octree, &far(&mesh), 62).passes("order by t', P2 from afar", 0.01);
+    under::<Reported>(&octree, &far(&mesh), 62).catches("order by reported t");
+}
+
+#[test]
+fn collinear_triangles_dropped() {
+    let mesh = meshes::needle_box(30);
+    let check = |spoiled| {
+        let octree = Builder::new().spoil(spoiled).build(&mesh).expect("a mesh that builds");
+        let inside = inside(&mesh, octree.parts().frame.scale(), 256, 63);
+        misses(&[&octree, &CpuTracer::new(octree.view())], &mesh, &inside, Target::Edge, RAYS, 63)
+    };
+    check(Spoiled::Nothing).passes("collinear triangles kept, P1", 1.0);
+    check(Spoiled::CollinearTriangles).catches("collinear triangles dropped");
+}
+
+/// A box whose faces lie in those of the root, cut into triangles at random places.
+fn touching_box(seed: u64) -> Mesh {
+    let mut random = Random::new(seed, 0);
+    let mut positions = Vec::new();
+    for face in 0..6 {
+        for _ in 0..40 {
+            // Corners, points of edges and points inside the face.
+            let corner = |random: &mut Random| {
+                let mut at = core::array::from_fn(|_| match random.below(3) {
+                    0 => 0.0,
+                    1 => 1.0,
+                    _ => random.unit(),
+                });
+                at[face / 2] = (face % 2) as f32;
+                at
+            };
+            positions.extend([corner(&mut random), corner(&mut random), corner(&mut random)]);
+        }
+    }
+    // The whole faces' corners fix the frame to 0..1.
+    positions.extend([[0.0; 3], [1.0; 3], [1.0, 0.0, 1.0]]);
+    let triangles = (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    Mesh::new(positions, triangles)
+}
+
+/// Rays from outside at edges and vertices, of which many lie in the root's faces, edges and corners.
+fn from_outside(mesh: &Mesh) -> impl Fn(&mut Random) -> Ray + Sync + use<'_> {
+    move |random: &mut Random| {
+        let distance = 10f32.powf(3.0 * random.unit());
+        let away = random.direction();
+        let origin = core::array::from_fn(|k| 0.5 + (distance + 1.0) * away[k]);
+        let target = [Target::Vertex, Target::Edge][random.below(2)];
+        rays::towards(origin, point_on(mesh, target, random))
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Undilated;
+impl Policy for Undilated {
+    const DILATES_ROOT: bool = false;
+    const KEEPS_MESH_MARGIN: bool = false;
+}
+
+#[derive(Clone, Copy)]
+struct Clamped;
+impl Policy for Clamped {
+    const CLAMPS_T_MIN: bool = true;
+    const KEEPS_MESH_MARGIN: bool = false;
+}
+
+/// The margin between mesh and root hides these two, so a mesh without it is built; see ARCHITECTURE.md, "Frame".
+#[test]
+fn the_roots_test_undilated_and_t_min_clamped() {
+    let mesh = touching_box(64);
+    let octree = Builder::new().spoil(Spoiled::MeshMargin).build(&mesh).expect("a mesh that builds");
+    let frame = octree.parts().frame;
+    assert_eq!((frame.origin, frame.scale()), ([0.0; 3], 1.0), "the mesh must touch the root's faces");
+    under::<Standard>(&octree, &from_outside(&mesh), 64).passes("dilated, not clamped, P2", 0.5);
+    under::<Undilated>(&octree, &from_outside(&mesh), 64).catches("undilated root test");
+    under::<Clamped>(&octree, &from_outside(&mesh), 64).catches("t_min clamped after a move");
+}

@@ -1,0 +1,9 @@
+//! Each clause of the contract broken on purpose: a check that passes on the real thing must fail.
+
+mod arithmetic;
+mod clauses;
+mod lattice;
+mod links;
+mod number;
+mod padding;
+mod stop;

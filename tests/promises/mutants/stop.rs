@@ -1,0 +1,66 @@
+//! The mutant that stops at the exit plane without a margin.
+//!
+//! Padding hides it: a hit that a walk would stop before lies so close to the plane that the leaf on this side lists it
+//! as well. By the bounds of ARCHITECTURE.md, "Padding", the two together need 47 roundoffs, of which binning alone
+//! gives 32, and no search has come near. So the octree is binned without padding, and its rays pass through the middle
+//! of faces, where no step goes wrong: there the margin alone decides.
+
+use leafwalk::Ray;
+use leafwalk_core::{Policy, Standard};
+use leafwalk_cpu::Spoiled;
+
+use super::clauses::under;
+use super::lattice::{on_lattice, steps};
+use crate::support::random::Random;
+use crate::support::rays::towards;
+
+/// Leaves of 1/8 of the root.
+const LEVEL: u32 = 3;
+const CELLS: usize = 1 << LEVEL;
+
+#[derive(Clone, Copy)]
+struct NoMargin;
+impl Policy for NoMargin {
+    const STOP_MARGIN: bool = false;
+}
+
+/// Two triangles, a few ULPs to either side of the middle of a face: the axis across it, and the triangles.
+fn pair(seed: u64, index: u64) -> (usize, [[[f32; 3]; 3]; 2]) {
+    let mut random = Random::new(seed, index);
+    let across = random.below(3);
+    let cell: [usize; 3] = core::array::from_fn(|_| 1 + random.below(CELLS - 2));
+    let mut triangle = |is_upper: bool| {
+        core::array::from_fn(|_| {
+            core::array::from_fn(|k| match k == across {
+                true => steps(cell[k] as f32 / CELLS as f32, 1 + random.below(3), is_upper),
+                false => (cell[k] as f32 + 0.3 + 0.4 * random.unit()) / CELLS as f32,
+            })
+        })
+    };
+    let mut pair = [triangle(false), triangle(true)];
+    // The one of the smaller index wins ties.
+    pair.rotate_left(random.below(2));
+    (across, pair)
+}
+
+#[test]
+fn no_stop_margin() {
+    let pairs: Vec<_> = (0..60).map(|index| pair(91, index)).collect();
+    let triangles: Vec<_> = pairs.iter().flat_map(|(_, pair)| *pair).collect();
+    let rays = |random: &mut Random| -> Ray {
+        let (across, pair) = pairs[random.below(pairs.len())];
+        let corners = pair[random.below(2)];
+        let (u, v) = (0.5 * random.unit(), 0.5 * random.unit());
+        let target: [f32; 3] =
+            core::array::from_fn(|k| corners[0][k] + u * (corners[1][k] - corners[0][k]) + v * (corners[2][k] - corners[0][k]));
+        let mut origin = random.vector().map(|c| (0.5 + 1.5 * c).clamp(-0.99, 1.99));
+        // Not along the face.
+        if (origin[across] - target[across]).abs() < 0.2 {
+            origin[across] = if random.below(2) == 0 { -0.7 } else { 1.7 };
+        }
+        towards(origin, target)
+    };
+    let octree = on_lattice(&triangles, LEVEL, Spoiled::Padding);
+    under::<Standard>(&octree, &rays, 92).passes("binned without padding, stop margin kept, P2", 0.5);
+    under::<NoMargin>(&octree, &rays, 92).catches("stop margin 0");
+}
