@@ -1,7 +1,8 @@
 //! The tracers that we compare with, each behind the same two questions.
 #![forbid(unsafe_code)]
 
-use std::time::{Duration, Instant};
+use core::time::Duration;
+use std::time::Instant;
 
 use leafwalk::{Mesh, Octree, Ray};
 use obvhs::BvhBuildParams;

@@ -313,7 +313,7 @@ mod interrupts {
         let shell = with_octree();
         let mut header = npy_header(&format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({RAYS}, 6), }}"));
         let length = header.len() as u64 + RAYS * 24;
-        shell.write("zeros.npy", std::mem::take(&mut header));
+        shell.write("zeros.npy", core::mem::take(&mut header));
         let file = std::fs::File::options().write(true).open(shell.path("zeros.npy")).expect("a file of ours");
         file.set_len(length).expect("room for a sparse file");
         shell.write("hits.csv", "as before");

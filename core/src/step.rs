@@ -230,7 +230,7 @@ pub fn cross<L: Lanes, S: Step>(
     let (low, high) = (kind & one, kind >> one);
     let is_finer = low & high;
     let is_coarser = high & (low ^ one);
-    debug_assert!(LINK_COARSER == 2 && LINK_FINER == 3);
+    const { assert!(LINK_COARSER == 2 && LINK_FINER == 3) };
     let size = cell.size << is_coarser >> is_finer;
 
     // Up by the old cell's edge, or down by the new one's; lateral axes fall to the new cell's grid.

@@ -92,7 +92,7 @@ impl Shape {
         let triangles = (0..segments).flat_map(|s| {
             (0..sides).flat_map(move |k| {
                 let [a, b, c, d] = [index(s, k), index(s + 1, k), index(s + 1, k + 1), index(s, k + 1)];
-                [[a, b, c], [a, c, d]]
+                [[a, b, d], [b, c, d]]
             })
         });
         Self { positions: positions.collect(), triangles: triangles.collect() }

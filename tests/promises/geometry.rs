@@ -3,17 +3,17 @@
 use glam::DVec3;
 use leafwalk::Mesh;
 
-pub fn point(p: [f32; 3]) -> DVec3 {
+pub(crate) fn point(p: [f32; 3]) -> DVec3 {
     DVec3::from_array(p.map(f64::from))
 }
 
-pub fn corners(mesh: &Mesh, primitive: usize) -> [DVec3; 3] {
+pub(crate) fn corners(mesh: &Mesh, primitive: usize) -> [DVec3; 3] {
     mesh.corners(primitive).map(point)
 }
 
 /// The angle, over 4 pi, under which a triangle is seen from a point: signed (Van Oosterom & Strackee 1983). Summed over
 /// a closed mesh it is the number of times that the mesh goes around the point.
-pub fn winding(corners: &[DVec3; 3], from: DVec3) -> f64 {
+pub(crate) fn winding(corners: &[DVec3; 3], from: DVec3) -> f64 {
     let [a, b, c] = corners.map(|corner| corner - from);
     let (la, lb, lc) = (a.length(), b.length(), c.length());
     let numerator = a.dot(b.cross(c));
@@ -22,14 +22,14 @@ pub fn winding(corners: &[DVec3; 3], from: DVec3) -> f64 {
 }
 
 /// Distance of a point to a segment.
-pub fn distance_to_segment([a, b]: [DVec3; 2], p: DVec3) -> f64 {
+pub(crate) fn distance_to_segment([a, b]: [DVec3; 2], p: DVec3) -> f64 {
     let along = b - a;
     let w = if along == DVec3::ZERO { 0.0 } else { ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0) };
     p.distance(a + w * along)
 }
 
 /// Distance of a point to a triangle, which may be a segment or a point.
-pub fn distance_to_triangle(corners: &[DVec3; 3], p: DVec3) -> f64 {
+pub(crate) fn distance_to_triangle(corners: &[DVec3; 3], p: DVec3) -> f64 {
     let [a, b, c] = *corners;
     let edges = [[a, b], [b, c], [c, a]];
     let normal = (b - a).cross(c - a);

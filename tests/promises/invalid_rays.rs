@@ -1,8 +1,8 @@
 //! P5: an invalid ray misses and visits no leaf; unusual rays that are valid get their answers.
 
 use leafwalk::{Builder, CpuTracer, Hit, Octree, Ray, Tracer, Work};
-use leafwalk_core::{Standard, Walk};
 use leafwalk_core::step::{Pluecker, Slab, Step};
+use leafwalk_core::{Standard, Walk};
 
 use crate::support::meshes;
 use crate::support::random::Random;
@@ -71,7 +71,8 @@ fn invalid_rays_in_a_batch_leave_their_neighbours_alone() {
     let count = 20_000;
     // Runs of both kinds, of all lengths that a packet could be left with.
     let is_invalid = |i: usize| Random::new(102, (i / 3) as u64).below(2) == 0;
-    let ray = |i: usize| if is_invalid(i) { invalid[i % invalid.len()] } else { valid(&mut Random::new(103, i as u64)) };
+    let ray =
+        |i: usize| if is_invalid(i) { invalid[i % invalid.len()] } else { valid(&mut Random::new(103, i as u64)) };
     let rays: Vec<Ray> = (0..count).map(ray).collect();
     let tracer = CpuTracer::new(octree.view());
     let (mut hits, mut occluded) = (vec![Hit { t: 1.0, u: 2.0, v: 3.0, primitive: 4 }; count], vec![true; count]);
@@ -122,7 +123,15 @@ fn a_t_beyond_all_numbers_is_the_largest() {
 #[test]
 fn nothing_lies_between_limits_that_leave_nothing() {
     let octree = sphere();
-    for (t_min, t_max) in [(1.0, 1.0), (0.9, 0.8), (0.0, 0.0), (0.0, -0.0), (-1.0, -2.0), (0.0, f32::NEG_INFINITY), (f32::MAX, f32::INFINITY)] {
+    for (t_min, t_max) in [
+        (1.0, 1.0),
+        (0.9, 0.8),
+        (0.0, 0.0),
+        (0.0, -0.0),
+        (-1.0, -2.0),
+        (0.0, f32::NEG_INFINITY),
+        (f32::MAX, f32::INFINITY),
+    ] {
         for index in 0..100 {
             let ray = Ray { t_min, t_max, ..valid(&mut Random::new(104, index)) };
             assert_eq!(octree.closest_hit(&ray), None, "{}", hex(&ray));
@@ -143,6 +152,11 @@ fn negative_limits_reach_behind_the_origin() {
         let turned = Ray::new(ahead.origin, ahead.direction.map(|c| -c));
         assert_eq!(octree.closest_hit(&turned).expect("a hit from inside").t, -behind.t, "{}", hex(&back));
         let whole = Ray { t_min: -100.0, ..ahead };
-        assert_eq!(octree.closest_hit(&whole), Some(behind), "the closest is the one of the smallest t: {}", hex(&whole));
+        assert_eq!(
+            octree.closest_hit(&whole),
+            Some(behind),
+            "the closest is the one of the smallest t: {}",
+            hex(&whole)
+        );
     }
 }

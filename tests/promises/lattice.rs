@@ -2,8 +2,8 @@
 //! and corners of cells and along their faces, where a step has to break ties.
 
 use leafwalk::{Builder, Mesh, Octree, Parts, Ray};
-use leafwalk_core::layout::{Key, LATTICE};
 use leafwalk_core::lanes::Lanes;
+use leafwalk_core::layout::{Key, LATTICE};
 use leafwalk_core::step::{self, Cell, Exit, Pluecker, Slab, Step};
 use leafwalk_core::{Standard, Walk};
 
@@ -58,9 +58,9 @@ impl Line {
     /// Where the line is in a closed cube, behind the origin too.
     fn inside(self, lower: [i32; 3], edge: i32) -> Option<Span> {
         let mut span = Span { from: i32::MIN, to: i32::MAX };
-        for k in 0..3 {
+        for (k, low) in lower.into_iter().enumerate() {
             let (o, d) = (self.origin[k], self.direction[k]);
-            let (near, far) = (lower[k] - o, lower[k] + edge - o);
+            let (near, far) = (low - o, low + edge - o);
             match d {
                 0 if near > 0 || far < 0 => return None,
                 0 => {}

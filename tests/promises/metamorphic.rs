@@ -89,7 +89,9 @@ fn position(old: &[usize], primitive: u32) -> u32 {
 /// Some of the triangles of a mesh, as primitives 0, 1 and so on, in the frame of all: specks in the corners of its box keep it.
 fn framed(mesh: &Mesh, primitives: &[usize]) -> Octree<Vec<u32>> {
     let used = || mesh.triangles.iter().flatten().map(|i| mesh.positions[*i as usize]);
-    let reach = |pick: fn(f32, f32) -> f32| used().reduce(|a, b| core::array::from_fn(|k| pick(a[k], b[k]))).expect("triangles");
+    let reach = |pick: fn(f32, f32) -> f32| {
+        used().reduce(|a, b| core::array::from_fn(|k| pick(a[k], b[k]))).expect("triangles")
+    };
     let (lower, upper) = (reach(f32::min), reach(f32::max));
     let next = mesh.positions.len() as u32;
     let mut part = Mesh::new(mesh.positions.clone(), primitives.iter().map(|&i| mesh.triangles[i]).collect());

@@ -20,7 +20,7 @@ use crate::tally::{Any, Tally, scaled, tally};
 /// An axis, for an origin up to one root edge away: 10 lateral (e2) and 19 in depth (ez) of the triangle test, 10 for
 /// the rounded weights across an edge of the triangle, 1 for the origin and 1/2 for the vertices in the frame. Three axes
 /// at right angles make sqrt(3) times that.
-pub const POINT_ERROR: f64 = 1.733 * 40.5;
+pub(crate) const POINT_ERROR: f64 = 1.733 * 40.5;
 
 /// What f64 says about a ray.
 struct Truth {
@@ -66,7 +66,7 @@ fn truth(triangles: &[[DVec3; 3]], ray: &Ray, error: f64) -> Truth {
 
 /// What is only counted.
 #[derive(Default)]
-pub struct Report {
+pub(crate) struct Report {
     /// One says hit, the other miss.
     hit_or_miss: AtomicU64,
     /// Another triangle.
@@ -76,7 +76,7 @@ pub struct Report {
 }
 
 /// Rays whose hit lies off its triangle, or that lose a clear hit.
-pub fn faults(
+pub(crate) fn faults(
     tracer: Any<'_>,
     frame: &Frame,
     mesh: &Mesh,

@@ -11,20 +11,20 @@ use crate::tally::{Any, Tally, bits, scaled, tally};
 use crate::variants::Stepping;
 
 /// A ray of numbers that depend on nothing but the seed and the index.
-pub type Source<'a> = &'a (dyn Fn(&mut Random) -> Ray + Sync);
+pub(crate) type Source<'a> = &'a (dyn Fn(&mut Random) -> Ray + Sync);
 
 /// Rays of every hard kind at a mesh.
-pub fn hard(mesh: &Mesh) -> impl Fn(&mut Random) -> Ray + Sync + use<'_> {
+pub(crate) fn hard(mesh: &Mesh) -> impl Fn(&mut Random) -> Ray + Sync + use<'_> {
     let (centre, size) = rays::extent(mesh);
     move |random: &mut Random| rays::hard(mesh, centre, size, random)
 }
 
 /// The rays on which a tracer differs from another that is right; half of the hits are traced with the ray cut next to
 /// them instead.
-pub fn differences(tracers: &[Any<'_>], oracle: Any<'_>, source: Source<'_>, count: u64, seed: u64) -> Tally {
+pub(crate) fn differences(tracers: &[Any<'_>], oracle: Any<'_>, source: Source<'_>, count: u64, seed: u64) -> Tally {
     tally(count, |indices, tally| {
         let mut randoms: Vec<Random> = indices.clone().map(|index| Random::new(seed, index)).collect();
-        let mut rays: Vec<Ray> = randoms.iter_mut().map(|random| source(random)).collect();
+        let mut rays: Vec<Ray> = randoms.iter_mut().map(source).collect();
         let mut expected = vec![Hit::MISS; rays.len()];
         let mut found = expected.clone();
         let mut occluded = vec![false; rays.len()];

@@ -5,13 +5,13 @@ use std::sync::OnceLock;
 use leafwalk::{BruteForce, Builder, Mesh, Octree};
 
 /// A mesh's octree, and its oracle.
-pub struct Scene {
-    pub octree: Octree<Vec<u32>>,
-    pub brute_force: BruteForce,
+pub(crate) struct Scene {
+    pub(crate) octree: Octree<Vec<u32>>,
+    pub(crate) brute_force: BruteForce,
 }
 
 impl Scene {
-    pub fn new(mesh: &Mesh) -> Self {
+    pub(crate) fn new(mesh: &Mesh) -> Self {
         let octree = Builder::new().build(mesh).expect("a mesh that builds");
         Self { octree, brute_force: BruteForce::new(mesh).expect("the same mesh") }
     }
@@ -20,13 +20,13 @@ impl Scene {
 type Real = OnceLock<(Mesh, Scene)>;
 
 /// The dragon: 871,414 small triangles, closed.
-pub fn dragon(purpose: &str) -> Option<&'static (Mesh, Scene)> {
+pub(crate) fn dragon(purpose: &str) -> Option<&'static (Mesh, Scene)> {
     static DRAGON: Real = Real::new();
     load(&DRAGON, "dragon.ply.gz", purpose)
 }
 
 /// The conference room: large triangles among small ones.
-pub fn conference(purpose: &str) -> Option<&'static (Mesh, Scene)> {
+pub(crate) fn conference(purpose: &str) -> Option<&'static (Mesh, Scene)> {
     static CONFERENCE: Real = Real::new();
     load(&CONFERENCE, "conference.obj.gz", purpose)
 }

@@ -35,10 +35,10 @@ macro_rules! tracer {
 }
 
 /// The scalar walk by a kind of step, under a policy.
-pub struct Stepping<'a, S, P>(Walk<'a, S, P>);
+pub(crate) struct Stepping<'a, S, P>(Walk<'a, S, P>);
 
 impl<'a, S: Step, P: Policy> Stepping<'a, S, P> {
-    pub fn new(parts: &'a Parts<'a>) -> Self {
+    pub(crate) fn new(parts: &'a Parts<'a>) -> Self {
         Self(Walk::with(parts))
     }
 
@@ -53,14 +53,14 @@ impl<'a, S: Step, P: Policy> Stepping<'a, S, P> {
 tracer!(Stepping<S: Step, P: Policy>);
 
 /// Every triangle that an octree lists, tested by any arithmetic.
-pub struct Every<'a, L> {
+pub(crate) struct Every<'a, L> {
     frame: Frame,
     triangles: Vec<(u32, [[f32; 3]; 3])>,
     kind: PhantomData<&'a L>,
 }
 
 impl<L: Lanes<Mask = bool, Bits = u32>> Every<'_, L> {
-    pub fn of<W: AsRef<[u32]>>(octree: &Octree<W>) -> Self {
+    pub(crate) fn of<W: AsRef<[u32]>>(octree: &Octree<W>) -> Self {
         let parts = octree.parts();
         let mut triangles: Vec<_> = parts.leaves().flat_map(|(_, leaf)| parts.triangles_of(leaf)).collect();
         triangles.sort_unstable_by_key(|(primitive, _)| *primitive);
@@ -79,13 +79,13 @@ impl<L: Lanes<Mask = bool, Bits = u32>> Every<'_, L> {
 tracer!(Every<L: ScalarLanes>);
 
 /// The triangles of the leaves that a walk visits, tested by any arithmetic.
-pub struct Visited<'a, L> {
+pub(crate) struct Visited<'a, L> {
     parts: &'a Parts<'a>,
     kind: PhantomData<L>,
 }
 
 impl<'a, L: Lanes<Mask = bool, Bits = u32>> Visited<'a, L> {
-    pub fn of(parts: &'a Parts<'a>) -> Self {
+    pub(crate) fn of(parts: &'a Parts<'a>) -> Self {
         Self { parts, kind: PhantomData }
     }
 
@@ -104,7 +104,7 @@ impl<'a, L: Lanes<Mask = bool, Bits = u32>> Visited<'a, L> {
 tracer!(Visited<L: ScalarLanes>);
 
 /// Lanes of one number.
-pub trait ScalarLanes: Lanes<Mask = bool, Bits = u32> {}
+pub(crate) trait ScalarLanes: Lanes<Mask = bool, Bits = u32> {}
 impl<L: Lanes<Mask = bool, Bits = u32>> ScalarLanes for L {}
 
 /// The smallest (t', primitive) of the triangles that a canonical ray hits.

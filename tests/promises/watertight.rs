@@ -23,7 +23,7 @@ const SAFE: f64 = 1.0 / (1u64 << 19) as f64;
 
 /// A point inside a closed mesh, and the triangle next to it.
 #[derive(Clone, Copy)]
-pub struct Inside {
+pub(crate) struct Inside {
     origin: [f32; 3],
     primitive: usize,
 }
@@ -31,7 +31,7 @@ pub struct Inside {
 /// Points inside, at all depths below the surface, one a candidate that proves to be inside and at a safe distance.
 ///
 /// A turned-over mesh goes around its inside -1 times.
-pub fn inside(mesh: &Mesh, root_edge: f64, candidates: u64, seed: u64) -> Vec<Inside> {
+pub(crate) fn inside(mesh: &Mesh, root_edge: f64, candidates: u64, seed: u64) -> Vec<Inside> {
     let triangles: Vec<[DVec3; 3]> = (0..mesh.triangles.len()).map(|i| corners(mesh, i)).collect();
     let try_one = |index| {
         let mut random = Random::new(seed, index);
@@ -65,7 +65,14 @@ fn aimed(mesh: &Mesh, inside: &[Inside], target: Target, random: &mut Random) ->
 }
 
 /// The rays from inside that a tracer lets through.
-pub fn misses(tracers: &[Any<'_>], mesh: &Mesh, inside: &[Inside], target: Target, count: u64, seed: u64) -> Tally {
+pub(crate) fn misses(
+    tracers: &[Any<'_>],
+    mesh: &Mesh,
+    inside: &[Inside],
+    target: Target,
+    count: u64,
+    seed: u64,
+) -> Tally {
     tally(count, |indices, tally| {
         let ray = |index| aimed(mesh, inside, target, &mut Random::new(seed, index));
         let rays: Vec<Ray> = indices.clone().map(ray).collect();

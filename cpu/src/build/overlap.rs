@@ -77,10 +77,10 @@ impl Split {
     #[inline]
     pub(crate) fn children_met(&self, corners: &[[f32; 3]; 3]) -> u8 {
         let (mut candidates, mut straddled, mut is_inside) = (0xff_u8, 0, true);
-        for k in 0..3 {
+        for (k, in_upper) in UPPER.into_iter().enumerate() {
             let (low, high) = range(corners, k);
             let (is_low, is_high) = (low <= self.middle[k] + self.padding, high >= self.middle[k] - self.padding);
-            candidates &= if is_low { 0xff } else { UPPER[k] } & if is_high { 0xff } else { !UPPER[k] };
+            candidates &= if is_low { 0xff } else { in_upper } & if is_high { 0xff } else { !in_upper };
             straddled += u32::from(is_low && is_high);
             is_inside &= low >= self.lower[k] && high <= self.upper[k];
         }

@@ -16,7 +16,7 @@ use crate::watertight::{inside, misses};
 const RAYS: u64 = 20_000;
 
 /// P2 under a policy, by both kinds of step.
-pub fn under<P: Policy + Sync>(octree: &Octree<Vec<u32>>, source: Source<'_>, seed: u64) -> Tally {
+pub(crate) fn under<P: Policy + Sync>(octree: &Octree<Vec<u32>>, source: Source<'_>, seed: u64) -> Tally {
     let parts = octree.parts();
     let slab = Stepping::<Slab, P>::new(&parts);
     let pluecker = Stepping::<Pluecker, P>::new(&parts);

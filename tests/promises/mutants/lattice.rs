@@ -5,12 +5,12 @@ use leafwalk::{Builder, Mesh, Octree};
 use leafwalk_cpu::Spoiled;
 
 /// `x`, some ULPs further up or down.
-pub fn steps(x: f32, steps: usize, is_upward: bool) -> f32 {
+pub(crate) fn steps(x: f32, steps: usize, is_upward: bool) -> f32 {
     (0..steps).fold(x, |x, _| if is_upward { x.next_up() } else { x.next_down() })
 }
 
 /// The triangles, and two in opposite corners that make the frame 0..1.
-pub fn on_lattice(triangles: &[[[f32; 3]; 3]], level: u32, spoiled: Spoiled) -> Octree<Vec<u32>> {
+pub(crate) fn on_lattice(triangles: &[[[f32; 3]; 3]], level: u32, spoiled: Spoiled) -> Octree<Vec<u32>> {
     let at = |c: f32, size: f32| [[c; 3], [c, c, c + size], [c, c + size, c]];
     let frame = [at(1.0 / 1024.0, 1.0 / 1024.0), at(1.0 - 1.0 / 1024.0, -1.0 / 1024.0)];
     let positions: Vec<_> = triangles.iter().chain(&frame).flatten().copied().collect();

@@ -6,7 +6,7 @@ use core::ops::{Add, Div, Mul, Sub};
 use leafwalk_core::lanes::Lanes;
 
 /// What is broken.
-pub trait Arithmetic: Copy + Sync + Send {
+pub(crate) trait Arithmetic: Copy + Sync + Send {
     /// Products have error terms.
     const KEEPS_ERRORS: bool = true;
     /// `a <= b` holds for equal numbers.
@@ -18,33 +18,33 @@ pub trait Arithmetic: Copy + Sync + Send {
 
 /// Nothing is broken.
 #[derive(Clone, Copy)]
-pub struct Sound;
+pub(crate) struct Sound;
 impl Arithmetic for Sound {}
 
 /// The differences of products in the finish are plain ones.
 #[derive(Clone, Copy)]
-pub struct Plain;
+pub(crate) struct Plain;
 impl Arithmetic for Plain {
     const KEEPS_ERRORS: bool = false;
 }
 
 /// `<` for `<=`.
 #[derive(Clone, Copy)]
-pub struct Strict;
+pub(crate) struct Strict;
 impl Arithmetic for Strict {
     const ACCEPTS_TIES: bool = false;
 }
 
 /// Fused multiply-adds.
 #[derive(Clone, Copy)]
-pub struct Fused;
+pub(crate) struct Fused;
 impl Arithmetic for Fused {
     const CONTRACTS: bool = true;
 }
 
 /// A number that remembers the factors it is the product of.
 #[derive(Clone, Copy)]
-pub struct Number<A> {
+pub(crate) struct Number<A> {
     value: f32,
     factors: Option<(f32, f32)>,
     kind: PhantomData<A>,

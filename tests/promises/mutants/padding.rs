@@ -61,6 +61,7 @@ fn no_padding() {
     let specks: Vec<Speck> = (0..400).map(|index| speck(81, index)).collect();
     let triangles: Vec<_> = specks.iter().map(|speck| speck.corners).collect();
     let rays = |random: &mut Random| across_the_edge(&specks, random);
-    under::<Standard>(&on_lattice(&triangles, LEVEL, Spoiled::Nothing), &rays, 82).passes("specks binned with padding, P2", 0.05);
+    under::<Standard>(&on_lattice(&triangles, LEVEL, Spoiled::Nothing), &rays, 82)
+        .passes("specks binned with padding, P2", 0.05);
     under::<Standard>(&on_lattice(&triangles, LEVEL, Spoiled::Padding), &rays, 82).catches("padding 0");
 }

@@ -51,8 +51,9 @@ fn no_stop_margin() {
         let (across, pair) = pairs[random.below(pairs.len())];
         let corners = pair[random.below(2)];
         let (u, v) = (0.5 * random.unit(), 0.5 * random.unit());
-        let target: [f32; 3] =
-            core::array::from_fn(|k| corners[0][k] + u * (corners[1][k] - corners[0][k]) + v * (corners[2][k] - corners[0][k]));
+        let target: [f32; 3] = core::array::from_fn(|k| {
+            corners[0][k] + u * (corners[1][k] - corners[0][k]) + v * (corners[2][k] - corners[0][k])
+        });
         let mut origin = random.vector().map(|c| (0.5 + 1.5 * c).clamp(-0.99, 1.99));
         // Not along the face.
         if (origin[across] - target[across]).abs() < 0.2 {
