@@ -30,6 +30,7 @@ pub trait Bits:
     fn any(self) -> bool;
 
     /// All ones where the lane is 1, zero where it is 0.
+    #[inline(always)]
     fn spread(self) -> Self {
         Self::splat(0).minus(self)
     }
@@ -66,11 +67,13 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     fn indicator(mask: Self::Mask) -> Self::Bits;
 
     /// The smaller of two numbers.
+    #[inline(always)]
     fn min(self, other: Self) -> Self {
         self.or_else(self.less(other), other)
     }
 
     /// The larger of two numbers.
+    #[inline(always)]
     fn max(self, other: Self) -> Self {
         self.or_else(other.less(self), other)
     }
@@ -78,6 +81,7 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     /// `self * other - product` without error, given `product = fl(self * other)` (Dekker 1971).
     ///
     /// Halves of 12 bits have exact products. A fused multiply-add gives the same bits and may stand in.
+    #[inline(always)]
     fn product_error(self, other: Self, product: Self) -> Self {
         let head = Self::Bits::splat(0xffff_f000);
         let (a1, b1) = (Self::from_bits(self.bits() & head), Self::from_bits(other.bits() & head));
@@ -86,30 +90,37 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     }
 
     /// 0 where the magnitude is under `smallest`.
+    #[inline(always)]
     fn flush(self, smallest: f32) -> Self {
         Self::splat(0.0).or_else(self.abs().less(Self::splat(smallest)), self)
     }
 }
 
 impl Mask for bool {
+    #[inline(always)]
     fn any(self) -> bool {
         self
     }
+    #[inline(always)]
     fn to_bits(self) -> u32 {
         u32::from(self)
     }
 }
 
 impl Bits for u32 {
+    #[inline(always)]
     fn splat(value: u32) -> Self {
         value
     }
+    #[inline(always)]
     fn plus(self, other: Self) -> Self {
         self.wrapping_add(other)
     }
+    #[inline(always)]
     fn minus(self, other: Self) -> Self {
         self.wrapping_sub(other)
     }
+    #[inline(always)]
     fn any(self) -> bool {
         self != 0
     }
@@ -120,33 +131,43 @@ impl Lanes for f32 {
     type Bits = u32;
     const COUNT: usize = 1;
 
+    #[inline(always)]
     fn splat(value: f32) -> Self {
         value
     }
+    #[inline(always)]
     fn less(self, other: Self) -> bool {
         self < other
     }
+    #[inline(always)]
     fn at_most(self, other: Self) -> bool {
         self <= other
     }
+    #[inline(always)]
     fn equal(self, other: Self) -> bool {
         self == other
     }
+    #[inline(always)]
     fn or_else(self, mask: bool, other: Self) -> Self {
         if mask { self } else { other }
     }
+    #[inline(always)]
     fn abs(self) -> Self {
         f32::abs(self)
     }
+    #[inline(always)]
     fn bits(self) -> u32 {
         self.to_bits()
     }
+    #[inline(always)]
     fn from_bits(bits: u32) -> Self {
         f32::from_bits(bits)
     }
+    #[inline(always)]
     fn from_integers(integers: u32) -> Self {
         integers as f32
     }
+    #[inline(always)]
     fn indicator(mask: bool) -> u32 {
         u32::from(mask)
     }

@@ -91,21 +91,25 @@ impl RecordHead {
     }
 
     /// Whether the record has children instead of triangles.
+    #[inline]
     pub fn is_inner(self) -> bool {
         self.0 & INNER != 0
     }
 
     /// Blocks listed: 0 to 8, or [`CHAINED`].
+    #[inline]
     pub fn t_count(self) -> u32 {
         self.0 & 0xff
     }
 
     /// 0 for the root, up to [`MAX_LEVEL`].
+    #[inline]
     pub fn level(self) -> u32 {
         self.0 >> LEVEL_SHIFT & LEVEL_MASK
     }
 
     /// How the leaf is linked across a face (`2 * axis + positive`).
+    #[inline]
     pub fn link(self, face: u32) -> u32 {
         self.0 >> (LINK_SHIFT + 2 * face) & 3
     }
@@ -131,6 +135,7 @@ pub struct Record {
 
 impl Record {
     /// Word 0 with its fields.
+    #[inline]
     pub fn head(&self) -> RecordHead {
         RecordHead(self.head)
     }

@@ -114,7 +114,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
             }
             let left = cell;
             (number, cell) = cross::<f32, S>(&line, &cell, &exit, head.0, neighbour(record, exit.face));
-            debug_assert!(morton(&left, line.neg) < morton(&cell, line.neg), "a step must move forward: {ray:?}");
+            debug_assert!(precedes(&left, &cell, line.neg), "a step must move forward: {ray:?}");
         }
     }
 
@@ -187,17 +187,19 @@ fn start<P: Policy>(line: &Line<f32>, ray: &CanonicalRay) -> Option<[f32; 3]> {
     (first <= last && ray.t_min < ray.t_max).then_some(point)
 }
 
-/// The Morton key of a cell's corner, mirrored so that it grows along the ray.
-fn morton(cell: &Cell<f32>, neg: u32) -> u64 {
-    // The corner that the ray reaches last orders cells of different sizes.
-    (0..MORTON_BITS).fold(0, |key, bit| {
-        let k = bit % 3;
-        let far = cell.corner[k] + cell.size - 1;
-        let coordinate = if neg >> k & 1 == 1 { LATTICE - 1 - cell.corner[k] } else { far };
-        key | u64::from(coordinate >> (bit / 3) & 1) << (bit / 3 * 3 + 2 - k)
-    })
+/// Whether one cell comes before another along a ray of octant `neg`: by the Morton order of the corners that the ray
+/// reaches last, which are those that order cells of different sizes too.
+fn precedes(a: &Cell<f32>, b: &Cell<f32>, neg: u32) -> bool {
+    let far = |cell: &Cell<f32>, k: usize| match neg >> k & 1 {
+        0 => cell.corner[k] + cell.size - 1,
+        _ => LATTICE - 1 - cell.corner[k],
+    };
+    // The axis whose coordinates differ in the highest bit decides.
+    let differing = |k: usize| far(a, k) ^ far(b, k);
+    let axis =
+        (1..3).fold(0, |axis, k| if differing(k).leading_zeros() < differing(axis).leading_zeros() { k } else { axis });
+    far(a, axis) < far(b, axis)
 }
-const MORTON_BITS: usize = 3 * LATTICE.ilog2() as usize;
 
 /// Slab tests against boxes quantised to a cell, dilated by the box margin: they may err only by keeping too much.
 struct Boxes {

@@ -3,7 +3,7 @@
 //! Corners come permuted: axis 2 is the one along which the ray's direction is largest. A loader picks arrays in that
 //! order for nothing, so the test itself never moves data.
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Mask};
 use crate::layout::{SMALLEST, SMALLEST_SHEARED};
 use crate::ray::CanonicalRay;
 
@@ -114,6 +114,11 @@ fn difference_of_products<L: Lanes>(a: L, b: L, c: L, d: L) -> L {
 #[inline(always)]
 pub fn intersect<L: Lanes>(shear: &Shear<L>, corners: [[L; 3]; 3]) -> (L::Mask, Candidate<L>) {
     let sheared = Sheared::new(shear, corners);
-    let (accepted, candidate) = sheared.finish(shear);
-    (accepted & sheared.is_candidate(), candidate)
+    let candidates = sheared.is_candidate();
+    if !candidates.any() {
+        let zero = L::splat(0.0);
+        return (candidates, Candidate { t: zero, u: zero, v: zero });
+    }
+    let (accepted, found) = sheared.finish(shear);
+    (accepted & candidates, found)
 }

@@ -22,10 +22,10 @@ const TICK: Duration = Duration::from_millis(100);
 /// The global options, and the state that Ctrl-C shares with the work.
 #[derive(Debug)]
 pub(crate) struct Context {
-    pub(crate) quiet: bool,
-    pub(crate) json: bool,
+    quiet: bool,
+    json: bool,
     /// Set by Ctrl-C.
-    pub(crate) cancelled: Arc<AtomicBool>,
+    cancelled: Arc<AtomicBool>,
     /// The temporary file of the output being written, which Ctrl-C removes.
     unfinished: Arc<Mutex<Option<PathBuf>>>,
 }
@@ -61,8 +61,7 @@ impl Context {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// A bar on stderr for work that takes `length` steps; hidden when quiet or stderr is no terminal. It is cleared
-    /// when it is dropped.
+    /// A bar on stderr whose length the work sets; hidden when quiet or stderr is no terminal, cleared when dropped.
     pub(crate) fn progress_bar(&self, what: &str) -> ProgressBar {
         if self.quiet || !io::stderr().is_terminal() {
             return ProgressBar::hidden();

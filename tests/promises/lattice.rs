@@ -2,7 +2,7 @@
 //! and corners of cells and along their faces, where a step has to break ties.
 
 use leafwalk::{Builder, Mesh, Octree, Parts, Ray};
-use leafwalk_core::lanes::Lanes;
+use leafwalk_core::lanes::{Bits, Lanes};
 use leafwalk_core::layout::{Key, LATTICE};
 use leafwalk_core::step::{self, Cell, Exit, Pluecker, Slab, Step};
 use leafwalk_core::{Standard, Walk};
@@ -158,7 +158,7 @@ impl Step for WrongQuadrant {
     }
 
     fn upper_halves<L: Lanes>(line: &step::Line<L>, cell: &Cell<L>, exit: &Exit<L>) -> L::Bits {
-        !Slab::upper_halves(line, cell, exit)
+        Slab::upper_halves(line, cell, exit) ^ L::Bits::splat(0b111)
     }
 }
 

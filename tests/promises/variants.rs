@@ -73,7 +73,8 @@ impl<L: Lanes<Mask = bool, Bits = u32>> Every<'_, L> {
     }
 
     fn is_occluded(&self, ray: &Ray) -> bool {
-        self.answer(ray).is_some()
+        let canonical = self.frame.canonical(ray);
+        canonical.is_some_and(|ray| hits::<L>(&ray, self.triangles.iter().copied()).next().is_some())
     }
 }
 tracer!(Every<L: ScalarLanes>);
@@ -107,16 +108,23 @@ tracer!(Visited<L: ScalarLanes>);
 pub(crate) trait ScalarLanes: Lanes<Mask = bool, Bits = u32> {}
 impl<L: Lanes<Mask = bool, Bits = u32>> ScalarLanes for L {}
 
-/// The smallest (t', primitive) of the triangles that a canonical ray hits.
-fn closest<L: ScalarLanes>(ray: &CanonicalRay, triangles: impl Iterator<Item = (u32, [[f32; 3]; 3])>) -> Option<Hit> {
+/// What a canonical ray hits, with t'.
+fn hits<L: ScalarLanes>(
+    ray: &CanonicalRay,
+    triangles: impl Iterator<Item = (u32, [[f32; 3]; 3])>,
+) -> impl Iterator<Item = Hit> {
     let number = |x: L| f32::from_bits(x.bits());
     let (shear, axes) = Shear::<L>::new(ray);
-    let hit = |(primitive, corners): (u32, [[f32; 3]; 3])| {
+    triangles.filter_map(move |(primitive, corners)| {
         let (accepted, found) = intersect(&shear, corners.map(|corner| axes.map(|axis| L::splat(corner[axis]))));
         let t = number(found.t);
         let hit = Hit { t, u: number(found.u), v: number(found.v), primitive };
         (accepted && ray.t_min < t && t < ray.t_max).then_some(hit)
-    };
+    })
+}
+
+/// The smallest (t', primitive) of the triangles that a canonical ray hits.
+fn closest<L: ScalarLanes>(ray: &CanonicalRay, triangles: impl Iterator<Item = (u32, [[f32; 3]; 3])>) -> Option<Hit> {
     let order = |a: &Hit, b: &Hit| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive));
-    triangles.filter_map(hit).min_by(order).map(|hit| Hit { t: ray.reported(hit.t), ..hit })
+    hits::<L>(ray, triangles).min_by(order).map(|hit| Hit { t: ray.reported(hit.t), ..hit })
 }

@@ -11,7 +11,7 @@ const BEFORE_NEIGHBOURS: usize = 2;
 
 #[test]
 fn one_link_off_by_a_face() {
-    let mesh = meshes::bumpy_sphere(2, 71);
+    let mesh = meshes::bumpy_sphere(1, 71);
     let octree = Builder::new().step_cost(2.0).build(&mesh).expect("a mesh that builds");
     let spans = Section::ALL.map(|section| octree.span(section));
     let records = spans[Section::Records as usize].0 as usize;
