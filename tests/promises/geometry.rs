@@ -11,8 +11,8 @@ pub(crate) fn corners(mesh: &Mesh, primitive: usize) -> [DVec3; 3] {
     mesh.corners(primitive).map(point)
 }
 
-/// The angle, over 4 pi, under which a triangle is seen from a point: signed (Van Oosterom & Strackee 1983). Summed over
-/// a closed mesh it is the number of times that the mesh goes around the point.
+/// The angle, over 4 pi, under which a triangle is seen from a point: signed (Van Oosterom & Strackee 1983). Summed
+/// over a closed mesh it is the number of times that the mesh goes around the point.
 pub(crate) fn winding(corners: &[DVec3; 3], from: DVec3) -> f64 {
     let [a, b, c] = corners.map(|corner| corner - from);
     let (la, lb, lc) = (a.length(), b.length(), c.length());

@@ -86,7 +86,7 @@ fn position(old: &[usize], primitive: u32) -> u32 {
     old.iter().position(|&i| i as u32 == primitive).map_or(u32::MAX, |i| i as u32)
 }
 
-/// Some of the triangles of a mesh, as primitives 0, 1 and so on, in the frame of all: specks in the corners of its box keep it.
+/// Some of the triangles of a mesh, as primitives 0, 1 and so on, in the frame of all.
 fn framed(mesh: &Mesh, primitives: &[usize]) -> Octree<Vec<u32>> {
     let used = || mesh.triangles.iter().flatten().map(|i| mesh.positions[*i as usize]);
     let reach = |pick: fn(f32, f32) -> f32| {

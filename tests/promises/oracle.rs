@@ -17,9 +17,9 @@ use crate::tally::{Any, Tally, scaled, tally};
 /// How far the point `origin + t * direction` and the barycentric point of a hit may lie from each other, in roundoffs
 /// of the root's edge, on top of the rounding of the reported t.
 ///
-/// An axis, for an origin up to one root edge away: 10 lateral (e2) and 19 in depth (ez) of the triangle test, 10 for
-/// the rounded weights across an edge of the triangle, 1 for the origin and 1/2 for the vertices in the frame. Three axes
-/// at right angles make sqrt(3) times that.
+/// Along an axis, for an origin up to one root edge away: 10 lateral (e2) and 19 in depth (ez) of the triangle test, 10
+/// for the rounded weights across an edge of the triangle, 1 for the origin and 1/2 for the vertices in the frame. Three
+/// axes at right angles make sqrt(3) times that.
 pub(crate) const POINT_ERROR: f64 = 1.733 * 40.5;
 
 /// What f64 says about a ray.
@@ -71,7 +71,8 @@ pub(crate) struct Report {
     hit_or_miss: AtomicU64,
     /// Another triangle.
     primitive: AtomicU64,
-    /// The largest distance of the two reported points beyond the rounding of t, in hundredths of a roundoff of the root.
+    /// The largest distance of the two reported points beyond the rounding of t, in hundredths of a roundoff of the
+    /// root's edge.
     error: AtomicU64,
 }
 

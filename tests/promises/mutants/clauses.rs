@@ -9,7 +9,7 @@ use crate::same_answer::{Source, differences, hard};
 use crate::support::random::Random;
 use crate::support::rays::{Target, extent, point_on};
 use crate::support::{meshes, rays};
-use crate::tally::Tally;
+use crate::tally::{Tally, scaled};
 use crate::variants::{Every, Stepping};
 use crate::watertight::{inside, misses};
 
@@ -20,7 +20,7 @@ pub(crate) fn under<P: Policy + Sync>(octree: &Octree<Vec<u32>>, source: Source<
     let parts = octree.parts();
     let slab = Stepping::<Slab, P>::new(&parts);
     let pluecker = Stepping::<Pluecker, P>::new(&parts);
-    differences(&[&slab, &pluecker], &Every::<f32>::of(octree), source, RAYS, seed)
+    differences(&[&slab, &pluecker], &Every::<f32>::of(octree), source, scaled(RAYS), seed)
 }
 
 #[derive(Clone, Copy)]
