@@ -18,8 +18,8 @@ use crate::tally::{Any, Tally, scaled, tally};
 /// of the root's edge, on top of the rounding of the reported t.
 ///
 /// Along an axis, for an origin up to one root edge away: 10 lateral (e2) and 19 in depth (ez) of the triangle test, 10
-/// for the rounded weights across an edge of the triangle, 1 for the origin and 1/2 for the vertices in the frame. Three
-/// axes at right angles make sqrt(3) times that.
+/// for the rounded weights across an edge of the triangle, 1 for the origin and 1/2 for the vertices in the frame.
+/// Three axes at right angles make sqrt(3) times that.
 pub(crate) const POINT_ERROR: f64 = 1.733 * 40.5;
 
 /// What f64 says about a ray.

@@ -124,7 +124,8 @@ impl Policy for Clamped {
     const KEEPS_MESH_MARGIN: bool = false;
 }
 
-/// The margin between mesh and root hides these two, so a mesh without it is built; see ARCHITECTURE.md, "Frame".
+/// The margin between mesh and root hides these two: no hit is near enough to where a ray enters the root. So a mesh
+/// without it is built.
 #[test]
 fn the_roots_test_undilated_and_t_min_clamped() {
     let mesh = touching_box(64);
