@@ -9,14 +9,13 @@ mod smooth;
 pub(crate) mod surface;
 pub(crate) mod vector;
 
-use core::fmt;
 use core::ops::Range;
 use std::io::{self, Write};
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use crate::camera::{Camera, CameraError, Size};
+use crate::camera::{Camera, Size};
 use leafwalk::Ray;
 use vector::Vector;
 
@@ -61,8 +60,6 @@ impl Image {
 pub(crate) enum PictureError<E> {
     /// The tracer failed.
     Tracer(E),
-    /// The camera sees nothing that can be drawn.
-    Camera(CameraError),
     /// The pixels do not fit into memory.
     OutOfMemory {
         /// Of the picture.
@@ -71,27 +68,6 @@ pub(crate) enum PictureError<E> {
     /// The caller asked to stop.
     Cancelled,
 }
-
-impl<E> From<CameraError> for PictureError<E> {
-    fn from(error: CameraError) -> Self {
-        Self::Camera(error)
-    }
-}
-
-impl<E: fmt::Display> fmt::Display for PictureError<E> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Tracer(error) => error.fmt(f),
-            Self::Camera(error) => error.fmt(f),
-            Self::OutOfMemory { size: Size { width, height } } => {
-                write!(f, "no memory for {width} x {height} pixels: choose a smaller size")
-            }
-            Self::Cancelled => write!(f, "cancelled"),
-        }
-    }
-}
-
-impl<E: core::error::Error> core::error::Error for PictureError<E> {}
 
 /// The pixels of each batch of a picture: whole rows, from the top.
 pub(crate) fn batches(size: Size, samples: usize) -> impl ExactSizeIterator<Item = Range<usize>> {

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::context::Context;
 use super::error::CommandError;
-use super::render::{add_picture, add_primary, add_rays, add_seconds, failed, progress, save};
+use super::render::{add_picture, add_primary, add_rays, add_seconds, progress, save};
 use super::report::Report;
 use crate::camera::{Camera, Size};
 use crate::picture::meter::Meter;
@@ -22,7 +22,7 @@ pub(crate) fn run(context: &Context) -> Result<(), CommandError> {
     let output = Path::new(OUTPUT);
     context.check_output(output, &[])?;
     let scene = Scene::room(Detail::FULL);
-    let camera = Camera::new(&scene.view, Size::DEFAULT).map_err(|error| failed(error.into(), output))?;
+    let camera = Camera::new(&scene.view, Size::DEFAULT)?;
 
     let start = Instant::now();
     let octree = context.build(&Builder::new(), &scene.mesh)?;
@@ -32,8 +32,7 @@ pub(crate) fn run(context: &Context) -> Result<(), CommandError> {
     let tracer = CpuTracer::new(octree);
     let mut meter = Meter::new(&tracer);
     let start = Instant::now();
-    let image = path::render(&mut meter, &scene, &surfaces, &camera, &progress(camera.size(), context))
-        .map_err(|error| failed(error, output))?;
+    let image = path::render(&mut meter, &scene, &surfaces, &camera, &progress(camera.size(), context))?;
     let render_time = start.elapsed();
     save(&image, output, context)?;
 

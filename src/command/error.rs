@@ -9,6 +9,8 @@ use leafwalk::mesh_file::MeshError;
 use leafwalk::{BuildError, FileError, LengthMismatch, VerifyError};
 
 use super::rays::RaysError;
+use crate::camera::{CameraError, Size};
+use crate::picture::PictureError;
 
 /// Why a command failed; the text is what follows `error: ` on stderr.
 #[derive(Debug)]
@@ -25,6 +27,11 @@ pub(crate) enum CommandError {
         source: RaysError,
     },
     Trace(LengthMismatch),
+    Camera(CameraError),
+    /// A picture too large for this machine.
+    Picture {
+        size: Size,
+    },
     /// An output cannot be written.
     Write {
         path: PathBuf,
@@ -63,6 +70,10 @@ impl fmt::Display for CommandError {
             Self::Verify { path, source } => write!(f, "{}: {source}", path.display()),
             Self::Rays { path, source } => write!(f, "{}: {source}", path.display()),
             Self::Trace(source) => source.fmt(f),
+            Self::Camera(source) => source.fmt(f),
+            Self::Picture { size: Size { width, height } } => {
+                write!(f, "no memory for {width} x {height} pixels: choose a smaller size")
+            }
             Self::Write { path, source } => write!(f, "{}: cannot be written: {source}", path.display()),
             Self::Overwrite { path } => {
                 write!(f, "{}: is an input and would be replaced: give the output another name", path.display())
@@ -101,5 +112,21 @@ impl From<FileError> for CommandError {
 impl From<LengthMismatch> for CommandError {
     fn from(source: LengthMismatch) -> Self {
         Self::Trace(source)
+    }
+}
+
+impl From<CameraError> for CommandError {
+    fn from(source: CameraError) -> Self {
+        Self::Camera(source)
+    }
+}
+
+impl From<PictureError<LengthMismatch>> for CommandError {
+    fn from(source: PictureError<LengthMismatch>) -> Self {
+        match source {
+            PictureError::Tracer(source) => source.into(),
+            PictureError::OutOfMemory { size } => Self::Picture { size },
+            PictureError::Cancelled => Self::Cancelled,
+        }
     }
 }

@@ -2,7 +2,6 @@
 
 use core::ops::ControlFlow;
 use core::time::Duration;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -109,15 +108,14 @@ pub(crate) fn run(args: &RenderArgs, context: &Context) -> Result<(), CommandErr
     context.check_output(&args.output, &[&args.input])?;
     let Input { octree, built } = input::open(&args.input, &Builder::new(), context)?;
     let view = args.view(&View::framing(&octree.bounds(), args.fov.unwrap_or(View::FOV), args.size.aspect()));
-    let camera = Camera::new(&view, args.size).map_err(|error| failed(error.into(), &args.output))?;
+    let camera = Camera::new(&view, args.size)?;
     let materials = built.iter().flat_map(|built| &built.mesh.materials);
     let materials = materials.map(|from| Material { diffuse: from.diffuse, emission: from.emission });
     let surfaces = Surfaces::new(&octree, materials.collect());
 
     let tracer = CpuTracer::new(octree);
     let mut meter = Meter::new(&tracer);
-    let (image, scale) =
-        args.draw(&mut meter, &surfaces, &camera, context).map_err(|error| failed(error, &args.output))?;
+    let (image, scale) = args.draw(&mut meter, &surfaces, &camera, context)?;
     save(&image, &args.output, context)?;
 
     let mut report = Report::new();
@@ -172,15 +170,6 @@ pub(super) fn progress(size: Size, context: &Context) -> impl Fn(usize) -> Contr
     move |pixels| {
         bar.set_position(pixels as u64);
         if context.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
-/// Why there is no picture, as the command says it.
-pub(super) fn failed(error: PictureError<LengthMismatch>, output: &Path) -> CommandError {
-    match error {
-        PictureError::Tracer(source) => source.into(),
-        PictureError::Cancelled => CommandError::Cancelled,
-        error => CommandError::Write { path: output.to_owned(), source: io::Error::other(error) },
     }
 }
 

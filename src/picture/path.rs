@@ -170,7 +170,7 @@ mod tests {
         pool.install(|| {
             let mut meter = Meter::new(tracer);
             let image = render(&mut meter, scene, &surfaces, &camera, &|_| ControlFlow::Continue(()));
-            (image.unwrap_or_else(|error| panic!("{error}")).pixels, meter.traced.rays)
+            (image.unwrap_or_else(|error| panic!("{error:?}")).pixels, meter.traced.rays)
         })
     }
 

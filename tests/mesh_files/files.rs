@@ -1,0 +1,46 @@
+//! Files of a test.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use leafwalk::mesh_file::{MeshError, MeshFile, load};
+use tempfile::TempDir;
+
+pub(crate) fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+pub(crate) fn write(folder: &TempDir, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+    let path = folder.path().join(name);
+    fs::write(&path, bytes).unwrap();
+    path
+}
+
+pub(crate) fn gzip(bytes: impl AsRef<[u8]>) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
+    encoder.write_all(bytes.as_ref()).unwrap();
+    encoder.finish().unwrap()
+}
+
+/// Reads the bytes as a file of that name, and again gzipped: both must give the same.
+pub(crate) fn read(name: &str, bytes: impl AsRef<[u8]>) -> MeshFile {
+    let folder = folder();
+    let plain = load(&write(&folder, name, &bytes)).unwrap();
+    let zipped = load(&write(&folder, &format!("{name}.gz"), gzip(&bytes))).unwrap();
+    // Not `==`: a NaN must equal itself here, and the zeros differ.
+    assert_eq!(format!("{plain:?}"), format!("{zipped:?}"));
+    plain
+}
+
+/// As [`read`], for bytes that are no mesh.
+pub(crate) fn refuse(name: &str, bytes: impl AsRef<[u8]>) -> MeshError {
+    let folder = folder();
+    let plain = load(&write(&folder, name, &bytes)).unwrap_err();
+    let zipped = load(&write(&folder, &format!("{name}.gz"), gzip(&bytes))).unwrap_err();
+    assert_eq!(plain.to_string().replace(name, ""), zipped.to_string().replace(&format!("{name}.gz"), ""));
+    assert!(plain.to_string().starts_with(&plain.path().display().to_string()), "{plain}");
+    plain
+}
