@@ -200,26 +200,56 @@ impl Key {
 /// A box quantised to 1/256 of a cell: per axis, the first and the last of the slices that it touches.
 pub type QuantisedBox = ([u8; 3], [u8; 3]);
 
-/// What a leaf lists: 64 bytes.
+/// A box that no ray meets, however dilated: its sides are the wrong way round by more than two box margins.
+pub const ABSENT: QuantisedBox = ([u8::MAX; 3], [0; 3]);
+
+/// The smallest box around boxes of the same cell.
+pub fn hull(boxes: impl IntoIterator<Item = QuantisedBox>) -> QuantisedBox {
+    boxes.into_iter().fold(ABSENT, |(lower, upper), b| {
+        (core::array::from_fn(|k| lower[k].min(b.0[k])), core::array::from_fn(|k| upper[k].max(b.1[k])))
+    })
+}
+
+/// What a node lists, 64 bytes: a leaf's blocks of triangles, or those of an inner node's children that list something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Payload {
-    /// Lower side of the tight box around all blocks, of the whole chain.
+    /// Lower side of the tight box around all that is listed, of the whole chain.
     pub lower: [u8; 3],
-    /// Blocks in this payload, 1 to 8.
+    /// Blocks in this payload, or children that list something: 1 to 8.
     pub count: u8,
     /// Upper side of the tight box.
     pub upper: [u8; 3],
-    /// Zero.
-    pub unused: u8,
-    /// Number of the first block; the others follow it.
-    pub first_block: u32,
-    /// The payload that continues the list, or [`NONE`].
+    /// Bit i: the child in octant i lists something. 0 for a leaf.
+    pub children: u8,
+    /// Number of the first block, or of the first child's payload; the others follow it, children by octant.
+    pub first: u32,
+    /// The payload that continues a leaf's list, or [`NONE`].
     pub next: u32,
-    /// Lower sides of the block boxes, axis by axis.
-    pub block_lower: [[u8; PAYLOAD_BLOCKS]; 3],
-    /// Upper sides of the block boxes, axis by axis.
-    pub block_upper: [[u8; PAYLOAD_BLOCKS]; 3],
+    /// Lower sides of the boxes of the blocks, or of the children by octant, axis by axis.
+    pub box_lower: [[u8; PAYLOAD_BLOCKS]; 3],
+    /// Upper sides of the boxes, axis by axis. Those that are not in use are [`ABSENT`].
+    pub box_upper: [[u8; PAYLOAD_BLOCKS]; 3],
+}
+
+impl Payload {
+    /// The payload of a child that lists something.
+    #[inline]
+    pub fn child(&self, octant: u32) -> u32 {
+        self.first + (u32::from(self.children) & ((1 << octant) - 1)).count_ones()
+    }
+
+    /// The box of a block, or of the child in an octant.
+    pub fn boxed(&self, at: usize) -> QuantisedBox {
+        (self.box_lower.map(|axis| axis[at]), self.box_upper.map(|axis| axis[at]))
+    }
+
+    /// Its own tight box in slices of the parent's cell, which are twice as wide.
+    pub fn seen_from_parent(&self, octant: u32) -> QuantisedBox {
+        let start = |k: usize| (octant >> k & 1) as u8 * 128;
+        let widen = |slices: [u8; 3]| core::array::from_fn(|k| start(k) + (slices[k] >> 1));
+        (widen(self.lower), widen(self.upper))
+    }
 }
 
 /// Eight triangles: 320 bytes. A vacant lane has three equal vertices, which no ray hits.

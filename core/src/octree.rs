@@ -180,7 +180,7 @@ impl<'a> Parts<'a> {
     pub fn triangles_of(&self, leaf: &Record) -> impl Iterator<Item = (u32, [[f32; 3]; 3])> + use<'a> {
         let blocks = self.blocks;
         let in_payload = move |payload: &Payload| {
-            let first = payload.first_block as usize;
+            let first = payload.first as usize;
             blocks[first..first + payload.count as usize].iter()
         };
         let lanes = |block: &'a Block| (0..block.primitives.len()).map(move |lane| (block, lane));

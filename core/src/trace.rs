@@ -160,7 +160,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
             let met = boxes.blocks_met(payload, best);
             for b in (0..u32::from(payload.count)).filter(|b| met >> b & 1 == 1) {
                 best.work.blocks += 1;
-                let block = &self.parts.blocks[(payload.first_block + b) as usize];
+                let block = &self.parts.blocks[(payload.first + b) as usize];
                 best.test_block::<ANY, P>(block, shear, axes);
             }
             match self.parts.payloads.get(payload.next as usize) {
@@ -241,8 +241,8 @@ impl Boxes {
         let mut last = [best.t; PAYLOAD_BLOCKS];
         for k in 0..3 {
             for b in 0..PAYLOAD_BLOCKS {
-                let near = self.lower[k] + f32::from(payload.block_lower[k][b]) * self.per_slice[k];
-                let far = self.upper[k] + f32::from(payload.block_upper[k][b]) * self.per_slice[k];
+                let near = self.lower[k] + f32::from(payload.box_lower[k][b]) * self.per_slice[k];
+                let far = self.upper[k] + f32::from(payload.box_upper[k][b]) * self.per_slice[k];
                 first[b] = Lanes::max(first[b], Lanes::min(near, far));
                 last[b] = Lanes::min(last[b], Lanes::max(near, far));
             }

@@ -179,7 +179,7 @@ impl Check<'_> {
     fn leaf(&self, number: u32, key: Key, leaf: &Record, triangles: &[u32]) -> Result<u64, VerifyError> {
         let mut listed = Vec::new();
         for payload in self.parts.payloads_of(leaf) {
-            let first = payload.first_block as usize;
+            let first = payload.first as usize;
             for (b, block) in self.parts.blocks[first..first + usize::from(payload.count)].iter().enumerate() {
                 self.block(number, key, payload, b, block)?;
                 listed.extend(block.primitives.iter().filter(|primitive| **primitive != NONE));
@@ -196,7 +196,7 @@ impl Check<'_> {
     fn block(&self, leaf: u32, key: Key, payload: &Payload, b: usize, block: &Block) -> Result<(), VerifyError> {
         for (lane, &primitive) in block.primitives.iter().enumerate().filter(|(_, primitive)| **primitive != NONE) {
             let (lower, upper) = quantised_bounds(key, &block.corners(lane), self.parts.header.padding);
-            let fits = |k: usize| lower[k] >= payload.block_lower[k][b] && upper[k] <= payload.block_upper[k][b];
+            let fits = |k: usize| lower[k] >= payload.box_lower[k][b] && upper[k] <= payload.box_upper[k][b];
             if !(0..3).all(fits) {
                 return Err(VerifyError::SmallBox { leaf, primitive });
             }

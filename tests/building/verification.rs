@@ -48,7 +48,7 @@ fn a_missing_reference_is_found() {
     let valid = Edited::new(&octree);
     let parts = octree.parts();
     let owner = |block: usize| {
-        let holds = |payload: &Payload| (payload.first_block as usize..).take(payload.count.into()).any(|b| b == block);
+        let holds = |payload: &Payload| (payload.first as usize..).take(payload.count.into()).any(|b| b == block);
         parts.leaves().find(|(_, leaf)| parts.payloads_of(leaf).any(holds)).expect("every block has a leaf").0
     };
     let count =
@@ -77,16 +77,17 @@ fn a_missing_reference_is_found() {
 fn a_box_that_is_too_small_is_found() {
     let (_, octree) = scene();
     let valid = Edited::new(&octree);
+    let is_of_a_leaf = |(_, payload): &(usize, &Payload)| payload.children == 0;
     let mut shrunk = 0;
-    for (number, payload) in octree.parts().payloads.iter().enumerate().step_by(5) {
+    for (number, payload) in octree.parts().payloads.iter().enumerate().filter(is_of_a_leaf).step_by(5) {
         for k in 0..3 {
-            if payload.block_lower[k][0] == payload.block_upper[k][0] {
+            if payload.box_lower[k][0] == payload.box_upper[k][0] {
                 continue;
             }
-            let smaller = valid.decode_with(|file| file.payloads()[number].block_upper[k][0] -= 1).unwrap();
+            let smaller = valid.decode_with(|file| file.payloads()[number].box_upper[k][0] -= 1).unwrap();
             let error = verify(&smaller).unwrap_err();
             assert!(matches!(error, VerifyError::SmallBox { .. }), "payload {number}: {error}");
-            let smaller = valid.decode_with(|file| file.payloads()[number].block_lower[k][0] += 1).unwrap();
+            let smaller = valid.decode_with(|file| file.payloads()[number].box_lower[k][0] += 1).unwrap();
             let error = verify(&smaller).unwrap_err();
             assert!(matches!(error, VerifyError::SmallBox { .. }), "payload {number}: {error}");
             shrunk += 1;

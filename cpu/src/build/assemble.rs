@@ -1,12 +1,12 @@
 //! The sections as one run of words.
 
-use leafwalk_core::layout::{BLOCK_WORDS, Block, KEY_WORDS, PADDING, PAYLOAD_WORDS, Payload, RECORD_WORDS};
+use leafwalk_core::layout::{BLOCK_WORDS, Block, KEY_WORDS, NONE, PADDING, PAYLOAD_WORDS, Payload, RECORD_WORDS};
 use leafwalk_core::wire::{self, Header, Section};
 use leafwalk_core::{Octree, Policy};
 use rayon::prelude::*;
 
-use super::leaf::{self, block_count, payload_count};
-use super::link::{Linked, link};
+use super::leaf::{self, Place, block_count};
+use super::link::{Linked, Payloads, link};
 use super::monitor::Monitor;
 use super::normalise::Normalised;
 use super::tree::Tree;
@@ -26,8 +26,8 @@ pub(crate) fn assemble(
 ) -> Result<Octree<Vec<u32>>, BuildError> {
     let linked = link(tree);
     let references = |leaf: &u32| tree.references(&tree.nodes[*leaf as usize]).len();
-    let payloads: usize = linked.leaves.iter().map(|leaf| payload_count(references(leaf))).sum();
-    let blocks: usize = linked.leaves.iter().map(|leaf| block_count(references(leaf))).sum();
+    let payloads = linked.payloads.count as usize;
+    let blocks: usize = linked.payloads.leaves.iter().map(|leaf| block_count(references(leaf))).sum();
     let header = Header {
         primitives: mesh.triangles.len() as u32,
         dropped: normalised.dropped,
@@ -80,6 +80,7 @@ pub(crate) fn assemble(
     let payloads = bytemuck::cast_slice_mut(section(Section::Payloads));
     let blocks = bytemuck::cast_slice_mut(section(Section::Blocks));
     fill_leaves(normalised, tree, &linked, settings.padding, payloads, blocks, monitor)?;
+    gather(tree, &linked.payloads, payloads);
     section(Section::Grid).copy_from_slice(&linked.grid);
     section(Section::Materials).copy_from_slice(&mesh.material_ids);
     wire::seal(&mut words, &spans);
@@ -97,7 +98,7 @@ impl Policy for Touching {
     const KEEPS_MESH_MARGIN: bool = false;
 }
 
-/// Fills payloads and blocks, leaf after leaf, tasks in parallel.
+/// Fills the leaves' payloads and blocks, tasks in parallel.
 fn fill_leaves(
     normalised: &Normalised,
     tree: &Tree,
@@ -107,35 +108,54 @@ fn fill_leaves(
     blocks: &mut [Block],
     monitor: &Monitor<'_>,
 ) -> Result<(), BuildError> {
-    let (mut payloads, mut blocks) = (payloads, blocks);
-    let (mut payload, mut block) = (0u32, 0u32);
+    let block_count = |leaf: &u32| block_count(tree.references(&tree.nodes[*leaf as usize]).len());
+    let (mut rest, mut first_block) = (blocks, 0);
     let mut tasks = Vec::new();
-    for leaves in linked.leaves.chunks(LEAVES_A_TASK) {
-        let references = leaves.iter().map(|leaf| tree.references(&tree.nodes[*leaf as usize]).len());
-        let (count, width) = references.fold((0, 0), |(p, b), n| (p + payload_count(n), b + block_count(n)));
-        let (own_payloads, tail) = core::mem::take(&mut payloads).split_at_mut(count);
-        payloads = tail;
-        let (own_blocks, tail) = core::mem::take(&mut blocks).split_at_mut(width);
-        blocks = tail;
-        tasks.push((leaves, (payload, own_payloads), (block, own_blocks)));
-        (payload, block) = (payload + count as u32, block + width as u32);
+    for leaves in linked.payloads.leaves.chunks(LEAVES_A_TASK) {
+        let count = leaves.iter().map(block_count).sum();
+        let (own, tail) = core::mem::take(&mut rest).split_at_mut(count);
+        rest = tail;
+        tasks.push((leaves, first_block, own));
+        first_block += count as u32;
     }
     monitor.check(0.0)?;
-    tasks.into_par_iter().try_for_each(|(leaves, (mut payload, mut payloads), (mut block, mut blocks))| {
-        monitor.check_cancelled()?;
-        for &leaf in leaves {
-            let node = &tree.nodes[leaf as usize];
-            let references = tree.references(node);
-            let (own_payloads, tail) = payloads.split_at_mut(payload_count(references.len()));
-            payloads = tail;
-            let (own_blocks, tail) = blocks.split_at_mut(block_count(references.len()));
-            blocks = tail;
-            let counts = (own_payloads.len() as u32, own_blocks.len() as u32);
-            let own = ((payload, own_payloads), (block, own_blocks));
-            leaf::fill(node.key, references, &normalised.triangles, padding, own.0, own.1);
-            (payload, block) = (payload + counts.0, block + counts.1);
+    let filled: Result<Vec<_>, BuildError> = tasks
+        .into_par_iter()
+        .map(|(leaves, mut block, mut blocks)| {
+            monitor.check_cancelled()?;
+            let mut filled = Vec::with_capacity(leaves.len());
+            for leaf in leaves {
+                let node = &tree.nodes[*leaf as usize];
+                let (own, tail) = blocks.split_at_mut(block_count(leaf));
+                blocks = tail;
+                let place = Place { block, chain: linked.payloads.chain[*leaf as usize] };
+                block += own.len() as u32;
+                filled.extend(leaf::fill(node.key, tree.references(node), &normalised.triangles, padding, &place, own));
+            }
+            Ok(filled)
+        })
+        .collect();
+    let mut filled = filled?.into_iter().flatten();
+    for &leaf in &linked.payloads.leaves {
+        let mut number = linked.payloads.first[leaf as usize];
+        // A leaf's payloads name the next, the last one none.
+        while let Some(payload) = payloads.get_mut(number as usize) {
+            *payload = filled.next().unwrap_or(*payload);
+            number = payload.next;
         }
-        Ok(())
-    })?;
+    }
     monitor.check(1.0)
+}
+
+/// Fills the inner nodes' payloads, children before parents.
+fn gather(tree: &Tree, numbers: &Payloads, payloads: &mut [Payload]) {
+    for (node, &number) in tree.nodes.iter().zip(&numbers.first).rev() {
+        if node.is_leaf() || number == NONE {
+            continue;
+        }
+        let numbers = &numbers.first[node.children as usize..][..8];
+        let children = core::array::from_fn(|octant| payloads.get(numbers[octant] as usize));
+        let first = numbers.iter().copied().find(|number| *number != NONE).unwrap_or(NONE);
+        payloads[number as usize] = leaf::gather(&children, first);
+    }
 }

@@ -1,7 +1,9 @@
-//! What a leaf lists: triangles grouped into blocks of eight, block boxes, payloads.
+//! What nodes list: triangles grouped into blocks of eight, their boxes, payloads.
 
 use glam::DVec3;
-use leafwalk_core::layout::{BLOCK_WIDTH, Block, Key, LATTICE_STEP, NONE, PAYLOAD_BLOCKS, Payload, QuantisedBox};
+use leafwalk_core::layout::{
+    ABSENT, BLOCK_WIDTH, Block, Key, LATTICE_STEP, NONE, PAYLOAD_BLOCKS, Payload, QuantisedBox, hull,
+};
 
 use super::clip::clipped_bounds;
 
@@ -23,15 +25,23 @@ pub(crate) fn payload_count(references: usize) -> usize {
     block_count(references).div_ceil(PAYLOAD_BLOCKS)
 }
 
-/// Fills the payloads and blocks of one leaf, which start at these numbers.
+/// Where what a leaf lists goes.
+pub(crate) struct Place {
+    /// Number of the first block; the others follow it.
+    pub(crate) block: u32,
+    /// Number of the second payload, where there is one; the others follow it.
+    pub(crate) chain: u32,
+}
+
+/// Fills the blocks of one leaf and returns its payloads.
 pub(crate) fn fill(
     cell: Key,
     references: &[u32],
     triangles: &[(u32, [[f32; 3]; 3])],
     padding: f32,
-    (first_payload, payloads): (u32, &mut [Payload]),
-    (first_block, blocks): (u32, &mut [Block]),
-) {
+    place: &Place,
+    blocks: &mut [Block],
+) -> Vec<Payload> {
     let mut listed: Vec<Listed> = references
         .iter()
         .map(|&reference| {
@@ -48,20 +58,38 @@ pub(crate) fn fill(
         group.sort_unstable_by_key(|listed| listed.reference);
         *block = pack(group, triangles);
     }
-    let last = payloads.len().saturating_sub(1);
-    for (i, payload) in payloads.iter_mut().enumerate() {
-        let own = &boxes[i * PAYLOAD_BLOCKS..boxes.len().min((i + 1) * PAYLOAD_BLOCKS)];
-        let (lower, upper) = hull(if i == 0 { &boxes } else { own });
-        *payload = Payload {
+    let count = payload_count(references.len());
+    let in_payload = |(i, own): (usize, &[QuantisedBox])| {
+        let (lower, upper) = hull(if i == 0 { &boxes } else { own }.iter().copied());
+        let slot = |b: usize| own.get(b).copied().unwrap_or(ABSENT);
+        Payload {
             lower,
             count: own.len() as u8,
             upper,
-            unused: 0,
-            first_block: first_block + (i * PAYLOAD_BLOCKS) as u32,
-            next: if i == last { NONE } else { first_payload + i as u32 + 1 },
-            block_lower: core::array::from_fn(|k| core::array::from_fn(|b| own.get(b).map_or(0, |own| own.0[k]))),
-            block_upper: core::array::from_fn(|k| core::array::from_fn(|b| own.get(b).map_or(0, |own| own.1[k]))),
-        };
+            children: 0,
+            first: place.block + (i * PAYLOAD_BLOCKS) as u32,
+            next: if i + 1 == count { NONE } else { place.chain + i as u32 },
+            box_lower: core::array::from_fn(|k| core::array::from_fn(|b| slot(b).0[k])),
+            box_upper: core::array::from_fn(|k| core::array::from_fn(|b| slot(b).1[k])),
+        }
+    };
+    boxes.chunks(PAYLOAD_BLOCKS).enumerate().map(in_payload).collect()
+}
+
+/// The payload of an inner node, given those of its children that list something, by octant.
+pub(crate) fn gather(children: &[Option<&Payload>; 8], first: u32) -> Payload {
+    let slot = |octant: usize| children[octant].map_or(ABSENT, |child| child.seen_from_parent(octant as u32));
+    let (lower, upper) = hull((0..8).map(slot));
+    let present = (0..8).fold(0, |mask, octant| mask | u8::from(children[octant].is_some()) << octant);
+    Payload {
+        lower,
+        count: present.count_ones() as u8,
+        upper,
+        children: present,
+        first,
+        next: NONE,
+        box_lower: core::array::from_fn(|k| core::array::from_fn(|octant| slot(octant).0[k])),
+        box_upper: core::array::from_fn(|k| core::array::from_fn(|octant| slot(octant).1[k])),
     }
 }
 
@@ -108,12 +136,6 @@ fn quantise(cell: Key, group: &[Listed]) -> QuantisedBox {
     let lower = |k: usize| group.iter().map(|listed| listed.lower[k]).fold(f64::INFINITY, f64::min);
     let upper = |k: usize| group.iter().map(|listed| listed.upper[k]).fold(f64::NEG_INFINITY, f64::max);
     (core::array::from_fn(|k| slice(lower(k), k)), core::array::from_fn(|k| slice(upper(k), k)))
-}
-
-fn hull(boxes: &[QuantisedBox]) -> QuantisedBox {
-    boxes.iter().fold(([u8::MAX; 3], [0; 3]), |(lower, upper), b| {
-        (core::array::from_fn(|k| lower[k].min(b.0[k])), core::array::from_fn(|k| upper[k].max(b.1[k])))
-    })
 }
 
 fn pack(group: &[Listed], triangles: &[(u32, [[f32; 3]; 3])]) -> Block {

@@ -15,8 +15,7 @@ pub(crate) struct Linked {
     /// The root, seven vacant records, then blocks of eight siblings, depth first.
     pub(crate) records: Vec<Record>,
     pub(crate) keys: Vec<[u32; 2]>,
-    /// Leaves that list something, in the order of their payloads, as indices of tree nodes.
-    pub(crate) leaves: Vec<u32>,
+    pub(crate) payloads: Payloads,
     pub(crate) grid_bits: u32,
     pub(crate) grid: Vec<u32>,
 }
@@ -28,26 +27,20 @@ pub(crate) fn link(tree: &Tree) -> Linked {
     let mut linked = Linked {
         records: vec![vacant; count],
         keys: vec![Key::ROOT.to_words(); count],
-        leaves: Vec::new(),
+        payloads: Payloads::new(tree),
         grid_bits: grid_bits(tree),
         grid: Vec::new(),
     };
     let neighbours = neighbours(tree);
     let mut in_order: Vec<u32> = (0..tree.nodes.len() as u32).collect();
     in_order.sort_unstable_by_key(|&node| numbers[node as usize]);
-    let mut payloads = 0;
     for at in in_order {
         let node = &tree.nodes[at as usize];
         let number = numbers[at as usize] as usize;
         linked.keys[number] = node.key.to_words();
         linked.records[number] = if node.is_leaf() {
-            let references = tree.references(node).len();
-            let record = leaf_record(tree, &numbers, node, &neighbours[at as usize], references, payloads);
-            if references > 0 {
-                linked.leaves.push(at);
-                payloads += payload_count(references) as u32;
-            }
-            record
+            let payload = linked.payloads.first[at as usize];
+            leaf_record(tree, &numbers, node, &neighbours[at as usize], payload)
         } else {
             let children = numbers[node.children as usize];
             Record { head: RecordHead::inner(node.key.level).0, offset: children, neighbours: [0; 6] }
@@ -75,6 +68,55 @@ fn number(tree: &Tree) -> Vec<u32> {
     numbers
 }
 
+/// Numbers of payloads: the root's, then, depth first, those of each inner node's children, and of each leaf's chain.
+pub(crate) struct Payloads {
+    /// Per node, its payload, or [`NONE`] where it lists nothing.
+    pub(crate) first: Vec<u32>,
+    /// Per leaf with several, the second; the others follow it.
+    pub(crate) chain: Vec<u32>,
+    /// Leaves that list something, as indices of tree nodes, in the order of their blocks: depth first.
+    pub(crate) leaves: Vec<u32>,
+    pub(crate) count: u32,
+}
+
+impl Payloads {
+    fn new(tree: &Tree) -> Self {
+        let nodes = tree.nodes.len();
+        let mut lists = vec![false; nodes];
+        // Children come after their parents.
+        for (at, node) in tree.nodes.iter().enumerate().rev() {
+            let children = node.children as usize;
+            lists[at] = if node.is_leaf() { node.lists() } else { lists[children..children + 8].contains(&true) };
+        }
+        let mut payloads = Self { first: vec![NONE; nodes], chain: vec![NONE; nodes], leaves: Vec::new(), count: 0 };
+        if lists[0] {
+            payloads.first[0] = payloads.take(1);
+        }
+        let mut pending = vec![0u32];
+        while let Some(at) = pending.pop() {
+            let node = &tree.nodes[at as usize];
+            if node.is_leaf() {
+                if node.lists() {
+                    payloads.leaves.push(at);
+                    let more = payload_count(tree.references(node).len()) - 1;
+                    payloads.chain[at as usize] = payloads.take(more as u32);
+                }
+                continue;
+            }
+            for child in (node.children as usize..).take(8).filter(|child| lists[*child]) {
+                payloads.first[child] = payloads.take(1);
+            }
+            pending.extend((node.children..node.children + 8).rev());
+        }
+        payloads
+    }
+
+    fn take(&mut self, count: u32) -> u32 {
+        self.count += count;
+        self.count - count
+    }
+}
+
 /// Per node and face, the node of the same size across it, or the leaf that holds that place, or [`NONE`].
 fn neighbours(tree: &Tree) -> Vec<[u32; 6]> {
     let mut neighbours = vec![[NONE; 6]; tree.nodes.len()];
@@ -96,14 +138,7 @@ fn neighbours(tree: &Tree) -> Vec<[u32; 6]> {
     neighbours
 }
 
-fn leaf_record(
-    tree: &Tree,
-    numbers: &[u32],
-    leaf: &Node,
-    neighbours: &[u32; 6],
-    references: usize,
-    payload: u32,
-) -> Record {
+fn leaf_record(tree: &Tree, numbers: &[u32], leaf: &Node, neighbours: &[u32; 6], payload: u32) -> Record {
     let links = neighbours.map(|neighbour| {
         let Some(node) = tree.nodes.get(neighbour as usize) else { return (LINK_NONE, 0) };
         if !node.is_leaf() {
@@ -114,11 +149,11 @@ fn leaf_record(
             (LINK_COARSER, numbers[neighbour as usize])
         }
     });
-    let blocks = block_count(references);
+    let blocks = block_count(tree.references(leaf).len());
     let t_count = if blocks > PAYLOAD_BLOCKS { CHAINED } else { blocks as u32 };
     Record {
         head: RecordHead::leaf(t_count, leaf.key.level, links.map(|(kind, _)| kind)).0,
-        offset: if references > 0 { payload } else { 0 },
+        offset: if payload == NONE { 0 } else { payload },
         neighbours: links.map(|(_, target)| target),
     }
 }

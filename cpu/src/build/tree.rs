@@ -24,6 +24,11 @@ impl Node {
     pub(crate) fn is_leaf(&self) -> bool {
         self.children == NONE
     }
+
+    /// Whether a leaf lists anything.
+    pub(crate) fn lists(&self) -> bool {
+        self.len > 0
+    }
 }
 
 /// A balanced tree and, leaf by leaf, the triangles that each lists.
@@ -124,7 +129,6 @@ impl Grower<'_> {
                 self.close(open.node, &references[open.start..open.start + open.len]);
             }
         }
-        // Children that cannot be worth a split are leaves at once, so that the next level does not carry them.
         Ok((next, next_references))
     }
 
