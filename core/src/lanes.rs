@@ -61,10 +61,16 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     fn bits(self) -> Self::Bits;
     /// The numbers of bit patterns.
     fn from_bits(bits: Self::Bits) -> Self;
-    /// Integers below 2^24 as numbers: exact.
+    /// Integers below 2^23 as numbers: exact.
     fn from_integers(integers: Self::Bits) -> Self;
     /// 1 where the mask is true, else 0.
     fn indicator(mask: Self::Mask) -> Self::Bits;
+
+    /// `self * factor + addend`, rounded once or twice as is faster: for conservative tests alone.
+    #[inline(always)]
+    fn about_mul_add(self, factor: Self, addend: Self) -> Self {
+        self * factor + addend
+    }
 
     /// The smaller of two numbers.
     #[inline(always)]

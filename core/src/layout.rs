@@ -252,7 +252,7 @@ impl Payload {
     }
 }
 
-/// Eight triangles: 320 bytes. A vacant lane has three equal vertices, which no ray hits.
+/// Eight triangles: 320 bytes. A vacant lane repeats the first one's corners, and its primitive never wins the tie.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Block {

@@ -7,10 +7,12 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod boxes;
 mod error;
 mod frame;
 pub mod lanes;
 pub mod layout;
+mod nearest;
 mod octree;
 mod policy;
 mod ray;
@@ -24,6 +26,7 @@ pub mod wire;
 
 pub use error::{DecodeError, RecordFault};
 pub use frame::Frame;
+pub use nearest::Nearest;
 pub use octree::{Aabb, LEAF_SIZES, Octree, Parts, Stats};
 #[doc(hidden)]
 pub use policy::{Policy, Standard};

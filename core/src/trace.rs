@@ -1,14 +1,14 @@
 //! The scalar tracer: one ray, from leaf to leaf.
 
+use crate::boxes::{Boxes, near_and_far};
 use crate::lanes::Lanes;
-use crate::layout::{
-    BLOCK_WIDTH, BOX_MARGIN, Block, Key, LATTICE, LINK_NONE, PADDING, PAYLOAD_BLOCKS, Payload, START_MARGIN,
-};
+use crate::layout::{BLOCK_WIDTH, Block, Key, LATTICE, LINK_NONE, PADDING, PAYLOAD_BLOCKS, Payload, START_MARGIN};
+use crate::nearest::Nearest;
 use crate::octree::{Octree, Parts};
 use crate::policy::{Policy, Standard};
 use crate::ray::{CanonicalRay, Hit, Ray};
 use crate::step::{Cell, Line, Slab, Step, cross, link_kind, neighbour};
-use crate::triangle::{Shear, Sheared};
+use crate::triangle::{Candidate, Shear, Sheared};
 
 /// What a walk did, for charts and heat maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,11 +39,10 @@ pub struct Walk<'a, S = Slab, P = Standard> {
     kind: core::marker::PhantomData<(S, P)>,
 }
 
-/// The best hit so far, or the ray's own limit.
-struct Best<'a> {
+/// A search under way.
+struct Search<'a> {
     ray: &'a CanonicalRay,
-    t: f32,
-    hit: Hit,
+    nearest: Nearest,
     work: Work,
 }
 
@@ -69,15 +68,14 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
     /// The closest hit, and what it took.
     pub fn closest_hit_with_work(&self, ray: &Ray) -> (Option<Hit>, Work) {
         let Some(canonical) = self.parts.frame.canonical_with::<P>(ray) else { return Default::default() };
-        let best = self.walk::<false>(&canonical, &mut |_, _| {});
-        let hit = Hit { t: canonical.reported(best.t), ..best.hit };
-        ((!hit.is_miss()).then_some(hit), best.work)
+        let search = self.walk::<false>(&canonical, &mut |_, _| {});
+        (search.nearest.is_hit().then(|| search.nearest.hit(&canonical)), search.work)
     }
 
     /// See [`Octree::occluded`].
     pub fn occluded(&self, ray: &Ray) -> bool {
         let canonical = self.parts.frame.canonical_with::<P>(ray);
-        canonical.is_some_and(|canonical| !self.walk::<true>(&canonical, &mut |_, _| {}).hit.is_miss())
+        canonical.is_some_and(|canonical| self.walk::<true>(&canonical, &mut |_, _| {}).nearest.is_hit())
     }
 
     /// The cells that a closest-hit walk visits, in order.
@@ -89,28 +87,32 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         }
     }
 
-    fn walk<'r, const ANY: bool>(&self, ray: &'r CanonicalRay, visitor: &mut impl FnMut(u32, &Cell<f32>)) -> Best<'r> {
-        let mut best = Best { ray, t: ray.t_max, hit: Hit::MISS, work: Work::default() };
+    fn walk<'r, const ANY: bool>(
+        &self,
+        ray: &'r CanonicalRay,
+        visitor: &mut impl FnMut(u32, &Cell<f32>),
+    ) -> Search<'r> {
+        let mut search = Search { ray, nearest: Nearest::new(ray), work: Work::default() };
         let line = Line::<f32>::new(ray);
-        let Some(start) = start::<P>(&line, ray) else { return best };
+        let Some(start) = start::<P>(&line, ray) else { return search };
         let (shear, axes) = Shear::<f32>::new(ray);
         let (mut number, mut cell) = self.locate(start, &line);
         loop {
             visitor(number, &cell);
-            best.work.cells += 1;
+            search.work.cells += 1;
             let record = &self.parts.records[number as usize];
             let head = record.head();
             if head.t_count() != 0 {
-                self.leaf::<ANY>(record.offset, &cell, &line, &shear, axes, &mut best);
-                if (ANY || P::STOPS_AT_FIRST_HIT) && !best.hit.is_miss() {
-                    return best;
+                self.leaf::<ANY>(record.offset, &cell, &line, &shear, axes, &mut search);
+                if (ANY || P::STOPS_AT_FIRST_HIT) && search.nearest.is_hit() {
+                    return search;
                 }
             }
             let exit = S::exit(&line, &cell);
             let margin = if P::STOP_MARGIN { PADDING * LATTICE as f32 } else { 0.0 };
-            let is_done = best.t * exit.speed < exit.distance - margin;
+            let is_done = search.nearest.t * exit.speed < exit.distance - margin;
             if is_done || link_kind::<f32>(head.0, exit.face) == LINK_NONE {
-                return best;
+                return search;
             }
             let left = cell;
             (number, cell) = cross::<f32, S>(&line, &cell, &exit, head.0, neighbour(record, exit.face));
@@ -149,19 +151,19 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         line: &Line<f32>,
         shear: &Shear<f32>,
         axes: [usize; 3],
-        best: &mut Best<'_>,
+        search: &mut Search<'_>,
     ) {
-        let boxes = Boxes::new(cell, line);
+        let boxes = Boxes::new(cell.corner, cell.size, line);
         let mut payload = &self.parts.payloads[first as usize];
-        if !boxes.is_met(payload.lower, payload.upper, best) {
+        if !search.meets(&boxes, line.neg, payload) {
             return;
         }
         loop {
-            let met = boxes.blocks_met(payload, best);
-            for b in (0..u32::from(payload.count)).filter(|b| met >> b & 1 == 1) {
-                best.work.blocks += 1;
+            let met = search.blocks_met(&boxes, line.neg, payload);
+            for b in (0..PAYLOAD_BLOCKS as u32).filter(|b| met >> b & 1 == 1) {
+                search.work.blocks += 1;
                 let block = &self.parts.blocks[(payload.first + b) as usize];
-                best.test_block::<ANY, P>(block, shear, axes);
+                search.test_block::<ANY, P>(block, shear, axes);
             }
             match self.parts.payloads.get(payload.next as usize) {
                 Some(next) => payload = next,
@@ -201,57 +203,27 @@ fn precedes(a: &Cell<f32>, b: &Cell<f32>, neg: u32) -> bool {
     far(a, axis) < far(b, axis)
 }
 
-/// Slab tests against boxes quantised to a cell, dilated by the box margin: they may err only by keeping too much.
-struct Boxes {
-    /// t' at slice 0's lower and slice 255's upper end is `from + slice * per_slice`.
-    lower: [f32; 3],
-    upper: [f32; 3],
-    per_slice: [f32; 3],
-}
-
-impl Boxes {
+impl Search<'_> {
+    /// Whether the ray meets a payload's tight box.
     #[inline(always)]
-    fn new(cell: &Cell<f32>, line: &Line<f32>) -> Self {
-        const MARGIN: f32 = BOX_MARGIN * LATTICE as f32;
-        let slice = cell.size as f32 * (1.0 / 256.0);
-        let from_origin: [f32; 3] = core::array::from_fn(|k| cell.corner[k] as f32 - line.origin[k]);
-        Self {
-            lower: core::array::from_fn(|k| (from_origin[k] - MARGIN) * line.inverse[k]),
-            upper: core::array::from_fn(|k| (from_origin[k] + (slice + MARGIN)) * line.inverse[k]),
-            per_slice: line.inverse.map(|inverse| slice * inverse),
-        }
-    }
-
-    #[inline(always)]
-    fn is_met(&self, lower: [u8; 3], upper: [u8; 3], best: &Best<'_>) -> bool {
-        let (mut first, mut last) = (best.ray.t_min, best.t);
-        for k in 0..3 {
-            let a = self.lower[k] + f32::from(lower[k]) * self.per_slice[k];
-            let b = self.upper[k] + f32::from(upper[k]) * self.per_slice[k];
-            first = Lanes::max(first, Lanes::min(a, b));
-            last = Lanes::min(last, Lanes::max(a, b));
-        }
+    fn meets(&self, boxes: &Boxes, neg: u32, payload: &Payload) -> bool {
+        let (near, far) = near_and_far(neg, payload.lower, payload.upper);
+        let (first, last) = boxes.clip(near.map(f32::from), far.map(f32::from), self.ray.t_min, self.nearest.t);
         first <= last
     }
 
-    /// Bit b: block b's box is met. All eight at once, in loops that compilers turn into SIMD.
+    /// Bit b: block b's box is met. All eight at once, in a loop that compilers turn into SIMD.
     #[inline(always)]
-    fn blocks_met(&self, payload: &Payload, best: &Best<'_>) -> u32 {
-        let mut first = [best.ray.t_min; PAYLOAD_BLOCKS];
-        let mut last = [best.t; PAYLOAD_BLOCKS];
-        for k in 0..3 {
-            for b in 0..PAYLOAD_BLOCKS {
-                let near = self.lower[k] + f32::from(payload.box_lower[k][b]) * self.per_slice[k];
-                let far = self.upper[k] + f32::from(payload.box_upper[k][b]) * self.per_slice[k];
-                first[b] = Lanes::max(first[b], Lanes::min(near, far));
-                last[b] = Lanes::min(last[b], Lanes::max(near, far));
-            }
-        }
-        (0..PAYLOAD_BLOCKS).fold(0, |met, b| met | u32::from(first[b] <= last[b]) << b)
+    fn blocks_met(&self, boxes: &Boxes, neg: u32, payload: &Payload) -> u32 {
+        let (near, far) = near_and_far(neg, payload.box_lower, payload.box_upper);
+        let is_met: [bool; PAYLOAD_BLOCKS] = core::array::from_fn(|b| {
+            let slice = |sides: [[u8; PAYLOAD_BLOCKS]; 3]| sides.map(|axis| f32::from(axis[b]));
+            let (first, last) = boxes.clip(slice(near), slice(far), self.ray.t_min, self.nearest.t);
+            first <= last
+        });
+        (0..).zip(is_met).fold(0, |met, (b, is_met)| met | u32::from(is_met) << b)
     }
-}
 
-impl Best<'_> {
     #[inline(always)]
     fn test_block<const ANY: bool, P: Policy>(&mut self, block: &Block, shear: &Shear<f32>, axes: [usize; 3]) {
         // Few blocks hold a candidate, so all lanes are sifted before any is finished: a loop without branches.
@@ -263,22 +235,24 @@ impl Best<'_> {
         for (lane, is_candidate) in is_candidate.into_iter().enumerate() {
             if is_candidate {
                 let (accepted, found) = Sheared::new(shear, corners(lane)).finish(shear);
-                if accepted && self.is_better::<P>(found.t, block.primitives[lane]) {
-                    self.t = found.t;
-                    self.hit = Hit { t: 0.0, u: found.u, v: found.v, primitive: block.primitives[lane] };
+                if accepted {
+                    self.offer::<P>(found, block.primitives[lane]);
                 }
             }
         }
     }
 
-    /// Smaller t', then smaller primitive. A miss has the largest primitive of all, but t' must stay below `t_max`.
-    fn is_better<P: Policy>(&self, t: f32, primitive: u32) -> bool {
-        if P::ORDERS_BY_REPORTED {
-            let (new, old) = (self.ray.reported(t), self.ray.reported(self.t));
-            return t > self.ray.t_min
-                && t < self.ray.t_max
-                && (self.hit.is_miss() || new < old || (new == old && primitive < self.hit.primitive));
+    #[inline(always)]
+    fn offer<P: Policy>(&mut self, found: Candidate<f32>, primitive: u32) {
+        let Candidate { t, u, v } = found;
+        let nearest = &mut self.nearest;
+        if !P::ORDERS_BY_REPORTED {
+            return nearest.offer(t, u, v, primitive);
         }
-        t > self.ray.t_min && (t < self.t || (t == self.t && primitive < self.hit.primitive && !self.hit.is_miss()))
+        let (new, old) = (self.ray.reported(t), self.ray.reported(nearest.t));
+        let is_nearer = !nearest.is_hit() || new < old || (new == old && primitive < nearest.primitive);
+        if t > self.ray.t_min && t < self.ray.t_max && is_nearer {
+            *nearest = Nearest { t, u, v, primitive, ..*nearest };
+        }
     }
 }

@@ -1,9 +1,12 @@
 //! Builds leafwalk octrees ([`Builder`]), checks them ([`verify`]) and traces them on every core ([`CpuTracer`]).
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod brute_force;
 mod build;
+mod descent;
+mod lanes;
 mod mesh;
+mod single;
 mod tracer;
 mod verify;
 

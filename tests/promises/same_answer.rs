@@ -67,7 +67,8 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
     let parts = scene.octree.parts();
     let slab = Stepping::<Slab, Standard>::new(&parts);
     let pluecker = Stepping::<Pluecker, Standard>::new(&parts);
-    let tracers: [Any<'_>; 3] = [&scene.octree, &slab, &pluecker];
+    let threads = CpuTracer::new(scene.octree.view());
+    let tracers: [Any<'_>; 4] = [&scene.octree, &slab, &pluecker, &threads];
     differences(&tracers, &scene.brute_force, &hard(mesh), scaled(count), seed).passes(name, 0.05);
 }
 

@@ -107,7 +107,7 @@ fn block(block: &Block, number: u32, primitives: u32, margin: f32) -> Result<u32
     for lane in 0..BLOCK_WIDTH {
         let corners = block.corners(lane);
         let is_right = if block.primitives[lane] == NONE {
-            corners == [[0.0; 3]; 3]
+            lane > 0 && block.primitives[0] != NONE && corners == block.corners(0)
         } else {
             triangles += 1;
             let in_range = |c: &f32| inside.contains(c) && (c.to_bits() == 0 || *c >= SMALLEST);

@@ -140,9 +140,10 @@ fn quantise(cell: Key, group: &[Listed]) -> QuantisedBox {
 
 fn pack(group: &[Listed], triangles: &[(u32, [[f32; 3]; 3])]) -> Block {
     let mut block = Block { vertices: [[[0.0; BLOCK_WIDTH]; 3]; 3], primitives: [NONE; BLOCK_WIDTH] };
-    for (lane, listed) in group.iter().enumerate() {
-        let (primitive, corners) = &triangles[listed.reference as usize];
-        block.primitives[lane] = *primitive;
+    for lane in 0..BLOCK_WIDTH {
+        let listed = group.get(lane);
+        let (primitive, corners) = &triangles[listed.unwrap_or(&group[0]).reference as usize];
+        block.primitives[lane] = listed.map_or(NONE, |_| *primitive);
         for (corner, axis) in (0..9).map(|i| (i / 3, i % 3)) {
             block.vertices[corner][axis][lane] = corners[corner][axis];
         }

@@ -1,0 +1,59 @@
+//! Eight lanes: what `core` asks of lanes, for SIMD registers, and the choice among them.
+//!
+//! The algorithms are written once over [`Eight`] and compiled for each register set; which one runs is decided when a
+//! kernel is dispatched. All give the same bits.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod portable;
+
+use leafwalk_core::lanes::Lanes;
+use portable::Portable;
+
+/// Eight `f32` in a register, and ways in and out of it.
+pub(crate) trait Eight: Lanes {
+    /// One number a lane.
+    fn load(values: &[f32; 8]) -> Self;
+    /// One small integer a lane, as numbers.
+    fn from_bytes(bytes: &[u8; 8]) -> Self;
+    /// The numbers, lane by lane.
+    fn to_array(self) -> [f32; 8];
+}
+
+/// Work that is compiled for each kind of lanes.
+pub(crate) trait Kernel {
+    /// What it gives.
+    type Output;
+    /// Must be inlined, or it loses the lanes' instructions.
+    fn run<L: Eight>(self) -> Self::Output;
+}
+
+/// The registers that kernels run on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Registers {
+    /// Those that the compiler may assume.
+    Portable,
+    /// AVX2 and FMA.
+    #[cfg(target_arch = "x86_64")]
+    Avx2(avx2::Available),
+}
+
+impl Registers {
+    /// The widest of this machine that we know.
+    pub(crate) fn detect() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(available) = avx2::Available::detect() {
+            return Self::Avx2(available);
+        }
+        Self::Portable
+    }
+
+    #[inline]
+    pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match self {
+            Self::Portable => kernel.run::<Portable>(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(available) => available.run(kernel),
+        }
+    }
+}
