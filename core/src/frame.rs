@@ -2,7 +2,7 @@
 
 use crate::layout::{MESH_MARGIN, PADDING, SMALLEST, SMALLEST_DIRECTION};
 use crate::policy::{Policy, Standard};
-use crate::ray::{CanonicalRay, Ray};
+use crate::ray::{CanonicalRay, Clock, Ray};
 
 /// `caller = origin + 2^scale_exponent * lattice`; the root cube is 0..1 on every lattice axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,8 +91,7 @@ impl Frame {
             t_min,
             direction: direction.map(|c| flush(c as f32, SMALLEST_DIRECTION)),
             t_max: limit(ray.t_max),
-            t_entry,
-            unit: power_of_two(self.scale_exponent - largest),
+            clock: Clock { entry: t_entry, unit: power_of_two(self.scale_exponent - largest) },
         })
     }
 }

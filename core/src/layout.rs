@@ -1,5 +1,7 @@
 //! Every shared constant and bit field of the format and of the numeric contract, once.
 
+use crate::per_axis;
+
 /// The first word of a file: the bytes `lwok`.
 pub const MAGIC: u32 = u32::from_le_bytes(*b"lwok");
 /// The format's version; 0 until the format is frozen.
@@ -22,8 +24,8 @@ pub const PADDING: f32 = 32.0 * ROUNDOFF;
 pub const MESH_MARGIN: f32 = 128.0 * ROUNDOFF;
 /// Tight boxes and block boxes are dilated by this before a ray is tested against them (lattice units).
 ///
-/// One padding for the zone that binning adds around a cell, and 41 roundoffs for the ray: lateral error 10, depth
-/// error 19, slab test 12 (all at an origin one root edge away). Three paddings are 96.
+/// One padding for the zone that binning adds around a cell, and 38 roundoffs for the ray: lateral error 10, depth
+/// error 19, slab test 9 (all at an origin one root edge away). Three paddings are 96.
 pub const BOX_MARGIN: f32 = 3.0 * PADDING;
 /// A walk starts this far (in t') before `t_min`, so that the point it starts from may carry rounding.
 ///
@@ -50,7 +52,7 @@ pub const RECORD_WORDS: usize = 8;
 /// Words a key.
 pub const KEY_WORDS: usize = 2;
 /// Words a payload.
-pub const PAYLOAD_WORDS: usize = 16;
+pub const PAYLOAD_WORDS: usize = 32;
 /// Words a block.
 pub const BLOCK_WORDS: usize = 80;
 /// Sections start at multiples of this many words: one cache line.
@@ -197,39 +199,40 @@ impl Key {
     }
 }
 
-/// A box quantised to 1/256 of a cell: per axis, the first and the last of the slices that it touches.
-pub type QuantisedBox = ([u8; 3], [u8; 3]);
+/// A box in whole lattice steps: per axis, the first and the last step that it touches.
+pub type LatticeBox = ([u16; 3], [u16; 3]);
 
-/// A box that no ray meets, however dilated: its sides are the wrong way round by more than two box margins.
-pub const ABSENT: QuantisedBox = ([u8::MAX; 3], [0; 3]);
+/// A box that no ray meets, however dilated: its sides are the wrong way round.
+pub const ABSENT: LatticeBox = ([u16::MAX; 3], [0; 3]);
 
-/// The smallest box around boxes of the same cell.
-pub fn hull(boxes: impl IntoIterator<Item = QuantisedBox>) -> QuantisedBox {
+/// The smallest box around boxes.
+pub fn hull(boxes: impl IntoIterator<Item = LatticeBox>) -> LatticeBox {
     boxes.into_iter().fold(ABSENT, |(lower, upper), b| {
         (core::array::from_fn(|k| lower[k].min(b.0[k])), core::array::from_fn(|k| upper[k].max(b.1[k])))
     })
 }
 
-/// What a node lists, 64 bytes: a leaf's blocks of triangles, or those of an inner node's children that list something.
+/// What a node lists, 128 bytes: a leaf's blocks of triangles, or those of an inner node's children that list something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Payload {
-    /// Lower side of the tight box around all that is listed, of the whole chain.
-    pub lower: [u8; 3],
+    /// Lower and upper sides of the boxes of the blocks, or of the children by octant, axis by axis. Boxes that are not in
+    /// use are [`ABSENT`].
+    pub sides: [[[u16; PAYLOAD_BLOCKS]; 2]; 3],
+    /// Lower side of the box around all that is listed, of the whole chain.
+    pub lower: [u16; 3],
+    /// Upper side of that box.
+    pub upper: [u16; 3],
     /// Blocks in this payload, or children that list something: 1 to 8.
-    pub count: u8,
-    /// Upper side of the tight box.
-    pub upper: [u8; 3],
+    pub count: u16,
     /// Bit i: the child in octant i lists something. 0 for a leaf.
-    pub children: u8,
+    pub children: u16,
     /// Number of the first block, or of the first child's payload; the others follow it, children by octant.
     pub first: u32,
     /// The payload that continues a leaf's list, or [`NONE`].
     pub next: u32,
-    /// Lower sides of the boxes of the blocks, or of the children by octant, axis by axis.
-    pub box_lower: [[u8; PAYLOAD_BLOCKS]; 3],
-    /// Upper sides of the boxes, axis by axis. Those that are not in use are [`ABSENT`].
-    pub box_upper: [[u8; PAYLOAD_BLOCKS]; 3],
+    /// Zero.
+    pub unused: [u32; 2],
 }
 
 impl Payload {
@@ -240,15 +243,34 @@ impl Payload {
     }
 
     /// The box of a block, or of the child in an octant.
-    pub fn boxed(&self, at: usize) -> QuantisedBox {
-        (self.box_lower.map(|axis| axis[at]), self.box_upper.map(|axis| axis[at]))
+    pub fn boxed(&self, at: usize) -> LatticeBox {
+        (self.sides.map(|[lower, _]| lower[at]), self.sides.map(|[_, upper]| upper[at]))
     }
 
-    /// Its own tight box in slices of the parent's cell, which are twice as wide.
-    pub fn seen_from_parent(&self, octant: u32) -> QuantisedBox {
-        let start = |k: usize| (octant >> k & 1) as u8 * 128;
-        let widen = |slices: [u8; 3]| core::array::from_fn(|k| start(k) + (slices[k] >> 1));
-        (widen(self.lower), widen(self.upper))
+    /// Per axis, the sides of all boxes that a ray of octant `neg` meets first, or last with `neg` inverted.
+    #[inline(always)]
+    pub fn facing(&self, neg: u32) -> [&[u16; PAYLOAD_BLOCKS]; 3] {
+        per_axis!(k => &self.sides[k][(neg >> k & 1) as usize])
+    }
+
+    /// The box around all that is listed.
+    pub fn hull(&self) -> LatticeBox {
+        (self.lower, self.upper)
+    }
+
+    /// With these boxes, absent ones included, and nothing else.
+    pub fn of_boxes(boxes: [LatticeBox; PAYLOAD_BLOCKS]) -> Self {
+        let (lower, upper) = hull(boxes);
+        Self {
+            sides: core::array::from_fn(|k| [boxes.map(|b| b.0[k]), boxes.map(|b| b.1[k])]),
+            lower,
+            upper,
+            count: boxes.iter().filter(|b| **b != ABSENT).count() as u16,
+            children: 0,
+            first: 0,
+            next: NONE,
+            unused: [0; 2],
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod axes;
 pub mod boxes;
 mod error;
 mod frame;
@@ -30,6 +31,6 @@ pub use nearest::Nearest;
 pub use octree::{Aabb, LEAF_SIZES, Octree, Parts, Stats};
 #[doc(hidden)]
 pub use policy::{Policy, Standard};
-pub use ray::{CanonicalRay, Hit, Ray, hit_hash};
+pub use ray::{CanonicalRay, Clock, Hit, Ray, hit_hash};
 pub use trace::{Walk, Work};
 pub use tracer::{LengthMismatch, Tracer};

@@ -1,6 +1,6 @@
 //! The hit that counts among all that a tracer finds, in whatever order.
 
-use crate::ray::{CanonicalRay, Hit};
+use crate::ray::{CanonicalRay, Clock, Hit};
 
 /// The nearest hit so far: smallest t', then smallest primitive; or the ray's own limit.
 #[derive(Clone, Copy, Debug)]
@@ -41,9 +41,9 @@ impl Nearest {
 
     /// The hit in the caller's units, or [`Hit::MISS`].
     #[inline]
-    pub fn hit(&self, ray: &CanonicalRay) -> Hit {
+    pub fn hit(&self, clock: &Clock) -> Hit {
         if self.is_hit() {
-            Hit { t: ray.reported(self.t), u: self.u, v: self.v, primitive: self.primitive }
+            Hit { t: clock.reported(self.t), u: self.u, v: self.v, primitive: self.primitive }
         } else {
             Hit::MISS
         }

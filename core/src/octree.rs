@@ -68,7 +68,7 @@ impl<W: AsRef<[u32]>> Octree<W> {
         self.spans[section as usize]
     }
 
-    /// The box around all listed triangles as the leaves store it: conservative, within 1/128 of a leaf's cell.
+    /// The box around all listed triangles, in whole lattice steps (2^-16 of the root's edge) outward.
     pub fn bounds(&self) -> Aabb {
         self.parts().bounds()
     }
@@ -192,20 +192,13 @@ impl<'a> Parts<'a> {
     }
 
     fn bounds(&self) -> Aabb {
-        let mut bounds = Aabb { lower: [f64::INFINITY; 3], upper: [f64::NEG_INFINITY; 3] };
-        for (number, leaf) in self.leaves() {
-            let Some(payload) = self.payloads_of(leaf).next() else { continue };
-            let key = self.key(number);
-            let slice = key.size() as f32 * crate::layout::LATTICE_STEP / 256.0;
-            let at = |k: usize, slices: u8, end: f32| key.bounds().0[k] + (f32::from(slices) + end) * slice;
-            let lower = self.frame.to_caller(core::array::from_fn(|k| at(k, payload.lower[k], 0.0)));
-            let upper = self.frame.to_caller(core::array::from_fn(|k| at(k, payload.upper[k], 1.0)));
-            for k in 0..3 {
-                bounds.lower[k] = bounds.lower[k].min(lower[k]);
-                bounds.upper[k] = bounds.upper[k].max(upper[k]);
-            }
-        }
-        bounds
+        let Some(root) = self.payloads.first() else {
+            return Aabb { lower: [f64::INFINITY; 3], upper: [f64::NEG_INFINITY; 3] };
+        };
+        let at = |steps: [u16; 3], end: f32| {
+            self.frame.to_caller(steps.map(|step| (f32::from(step) + end) * crate::layout::LATTICE_STEP))
+        };
+        Aabb { lower: at(root.lower, 0.0), upper: at(root.upper, 1.0) }
     }
 
     fn stats(&self) -> Stats {

@@ -82,16 +82,24 @@ pub struct CanonicalRay {
     pub direction: [f32; 3],
     /// Hits count for t' strictly below it; may be infinite.
     pub t_max: f32,
-    /// t' of the canonical origin, counted from the caller's origin: not 0 when a far origin was moved.
-    pub(crate) t_entry: f64,
-    /// One unit of t' in the caller's t: a power of two.
-    pub(crate) unit: f64,
+    /// From t' to the caller's t.
+    pub clock: Clock,
 }
 
-impl CanonicalRay {
-    /// The caller's t of a canonical distance, for reporting only: it decides nothing.
+/// How t' of a canonical ray becomes the caller's t, for reporting only: it decides nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// t' of the canonical origin, counted from the caller's: not 0 when a far origin was moved.
+    pub entry: f64,
+    /// One unit of t' in the caller's t: a power of two.
+    pub unit: f64,
+}
+
+impl Clock {
+    /// The caller's t of a canonical distance.
+    #[inline]
     pub fn reported(&self, t: f32) -> f32 {
         // Finite stays finite, since only a miss reports infinity.
-        (((self.t_entry + f64::from(t)) * self.unit) as f32).clamp(f32::MIN, f32::MAX)
+        (((self.entry + f64::from(t)) * self.unit) as f32).clamp(f32::MIN, f32::MAX)
     }
 }

@@ -6,6 +6,7 @@
 
 use crate::lanes::{Bits, Lanes};
 use crate::layout::{Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_SHIFT, Record};
+use crate::per_axis;
 use crate::ray::CanonicalRay;
 use crate::tables::{self, EXIT_AXIS};
 
@@ -38,22 +39,29 @@ pub struct Line<L: Lanes> {
 
 impl<L: Lanes> Line<L> {
     /// One ray in every lane.
+    #[inline(always)]
     pub fn new(ray: &CanonicalRay) -> Self {
         let d = ray.direction;
         let neg = (0..3).fold(0, |bits, k| bits | u32::from(d[k] < 0.0) << k);
-        let origin = ray.origin.map(|c| c * LATTICE as f32);
-        let direction = d.map(|c| c * LATTICE as f32);
+        let origin = per_axis!(k => ray.origin[k] * LATTICE as f32);
+        let direction = per_axis!(k => d[k] * LATTICE as f32);
         Self {
-            origin: origin.map(L::splat),
-            direction: direction.map(L::splat),
-            inverse: direction.map(|c| L::splat(if c == 0.0 { STEEP } else { 1.0 / c })),
-            exit_origin: core::array::from_fn(|k| L::splat(if d[k] == 0.0 { FAR_BEHIND } else { origin[k] })),
-            forward: d.map(|c| L::splat(if c < 0.0 { -1.0 } else { 1.0 })),
+            origin: per_axis!(k => L::splat(origin[k])),
+            direction: per_axis!(k => L::splat(direction[k])),
+            inverse: inverse(per_axis!(k => L::splat(direction[k]))),
+            exit_origin: per_axis!(k => L::splat(if d[k] == 0.0 { FAR_BEHIND } else { origin[k] })),
+            forward: per_axis!(k => L::splat(if d[k] < 0.0 { -1.0 } else { 1.0 })),
             neg: L::Bits::splat(neg),
-            upward: d.map(|c| L::Bits::splat(if c < 0.0 { 0 } else { u32::MAX })),
+            upward: per_axis!(k => L::Bits::splat(if d[k] < 0.0 { 0 } else { u32::MAX })),
             tie: L::Bits::splat(tie_bits(d, neg)),
         }
     }
+}
+
+/// 1 / direction, or 2^44 where that is zero.
+#[inline(always)]
+pub fn inverse<L: Lanes>(direction: [L; 3]) -> [L; 3] {
+    per_axis!(k => L::splat(STEEP).or_else(direction[k].equal(L::splat(0.0)), L::splat(1.0) / direction[k]))
 }
 
 /// How ties between exit distances break: x before y before z, axes with direction 0 last (simulation of simplicity).
@@ -78,17 +86,20 @@ pub struct Cell<L: Lanes> {
 
 impl<L: Lanes> Cell<L> {
     /// The same cell in every lane.
+    #[inline(always)]
     pub fn new(key: Key) -> Self {
-        Self { corner: key.corner.map(L::Bits::splat), size: L::Bits::splat(key.size()) }
+        Self { corner: per_axis!(k => L::Bits::splat(key.corner[k])), size: L::Bits::splat(key.size()) }
     }
 
+    #[inline(always)]
     fn exit_planes(&self, line: &Line<L>) -> [L; 3] {
-        core::array::from_fn(|k| L::from_integers(self.corner[k].plus(self.size & line.upward[k])))
+        per_axis!(k => L::from_integers(self.corner[k].plus(self.size & line.upward[k])))
     }
 
+    #[inline(always)]
     fn centre(&self) -> [L; 3] {
         let half = self.size >> L::Bits::splat(1);
-        self.corner.map(|corner| L::from_integers(corner.plus(half)))
+        per_axis!(k => L::from_integers(self.corner[k].plus(half)))
     }
 }
 
@@ -113,16 +124,21 @@ impl<L: Lanes> Exit<L> {
         let one = L::Bits::splat(1);
         let number = L::indicator(axis[1]) | L::indicator(axis[2]) << one;
         let positive = (line.neg >> number & one) ^ one;
-        let pick = |values: [L; 3]| values[0].or_else(axis[0], values[1].or_else(axis[1], values[2]));
-        let away = core::array::from_fn(|k| planes[k] - line.origin[k]);
+        let away = per_axis!(k => planes[k] - line.origin[k]);
         Self {
             axis,
             face: number << one | positive,
-            distance: pick(away) * pick(line.forward),
-            speed: pick(line.direction).abs(),
+            distance: pick(away, axis) * pick(line.forward, axis),
+            speed: pick(line.direction, axis).abs(),
             t,
         }
     }
+}
+
+/// The value of one axis.
+#[inline(always)]
+fn pick<L: Lanes>(values: [L; 3], axis: [L::Mask; 3]) -> L {
+    values[0].or_else(axis[0], values[1].or_else(axis[1], values[2]))
 }
 
 /// A way to find the exit face, and the quadrant of it where four neighbours share it.
@@ -141,7 +157,7 @@ impl Step for Slab {
     #[inline(always)]
     fn exit<L: Lanes>(line: &Line<L>, cell: &Cell<L>) -> Exit<L> {
         let planes = cell.exit_planes(line);
-        let [x, y, z] = core::array::from_fn(|k| (planes[k] - line.exit_origin[k]) * line.inverse[k]);
+        let [x, y, z] = per_axis!(k => (planes[k] - line.exit_origin[k]) * line.inverse[k]);
         let is_x = x.at_most(y) & x.at_most(z);
         let is_y = y.at_most(z) & !is_x;
         let is_z = !is_x & !is_y;
@@ -152,14 +168,16 @@ impl Step for Slab {
     fn upper_halves<L: Lanes>(line: &Line<L>, cell: &Cell<L>, exit: &Exit<L>) -> L::Bits {
         let centre = cell.centre();
         let one = L::Bits::splat(1);
-        (0..3).fold(L::Bits::splat(0), |bits, k| {
+        let mut bits = L::Bits::splat(0);
+        for k in 0..3 {
             let point = line.origin[k] + exit.t * line.direction[k];
             // A tie goes to the half that lies ahead.
             let upward = centre[k].at_most(point);
             let downward = centre[k].less(point);
             let upper = (L::indicator(upward) & line.upward[k]) | (L::indicator(downward) & !line.upward[k]);
-            bits | (upper & one) << L::Bits::splat(k as u32)
-        })
+            bits = bits | (upper & one) << L::Bits::splat(k as u32);
+        }
+        bits
     }
 }
 
@@ -170,8 +188,9 @@ pub struct Pluecker;
 
 impl Pluecker {
     /// The two products whose difference is component k of (point - origin) x direction.
+    #[inline(always)]
     fn products<L: Lanes>(line: &Line<L>, point: [L; 3]) -> [(L, L); 3] {
-        let w: [L; 3] = core::array::from_fn(|k| point[k] - line.origin[k]);
+        let w: [L; 3] = per_axis!(k => point[k] - line.origin[k]);
         let d = line.direction;
         [(w[1] * d[2], w[2] * d[1]), (w[2] * d[0], w[0] * d[2]), (w[0] * d[1], w[1] * d[0])]
     }
@@ -183,35 +202,40 @@ impl Step for Pluecker {
         let planes = cell.exit_planes(line);
         let one = L::Bits::splat(1);
         let mut pattern = L::Bits::splat(0);
-        for (k, (a, b)) in Self::products(line, planes).into_iter().enumerate() {
+        let products = Self::products(line, planes);
+        for k in 0..3 {
+            let (a, b) = products[k];
             let bit = L::Bits::splat(k as u32);
             let tie = L::indicator(a.equal(b)) & (line.tie >> bit & one);
             pattern = pattern | (L::indicator(a.less(b)) | tie) << bit;
         }
-        let [x, y, z] = [0, 1, 2].map(|k| line.neg >> L::Bits::splat(k) & one);
+        let [x, y, z] = per_axis!(k => line.neg >> L::Bits::splat(k) & one);
         let mask = (y ^ z) | (z ^ x) << one | (x ^ y) << L::Bits::splat(2);
         let axis = L::Bits::splat(EXIT_AXIS) >> ((pattern ^ mask) << one) & L::Bits::splat(3);
         // Axis numbers are 0, 1, 2: exact as numbers, so that lanes need no integer comparison.
         let number = L::from_integers(axis);
-        Exit::new(line, planes, [0.0, 1.0, 2.0].map(|k| number.equal(L::splat(k))), L::splat(0.0))
+        Exit::new(line, planes, per_axis!(k => number.equal(L::splat(k as f32))), L::splat(0.0))
     }
 
     #[inline(always)]
     fn upper_halves<L: Lanes>(line: &Line<L>, cell: &Cell<L>, exit: &Exit<L>) -> L::Bits {
         let planes = cell.exit_planes(line);
         let middle = cell.centre();
-        let centre = core::array::from_fn(|k| planes[k].or_else(exit.axis[k], middle[k]));
-        let negative = Self::products(line, centre).map(|(a, b)| L::indicator(a.less(b)));
+        let centre = per_axis!(k => planes[k].or_else(exit.axis[k], middle[k]));
+        let negative = Self::products(line, centre);
+        let negative: [L::Bits; 3] = per_axis!(k => L::indicator(negative[k].0.less(negative[k].1)));
         let one = L::Bits::splat(1);
         let positive = exit.face & one;
         // tables::sub_face, with bits where it has u and v: axis + 1 reads component axis + 2 and the other way round.
-        (0..3).fold(L::Bits::splat(0), |bits, a| {
+        let mut bits = L::Bits::splat(0);
+        for a in 0..3 {
             let (next, after) = ((a + 1) % 3, (a + 2) % 3);
             let high_next = (negative[after] ^ positive) << L::Bits::splat(next as u32);
             let high_after = (negative[next] ^ positive ^ one) << L::Bits::splat(after as u32);
             let on_axis = L::indicator(exit.axis[a]).spread();
-            bits | (high_next | high_after) & on_axis
-        })
+            bits = bits | (high_next | high_after) & on_axis;
+        }
+        bits
     }
 }
 
@@ -237,28 +261,26 @@ pub fn cross<L: Lanes, S: Step>(
     let upward = (exit.face & one).spread();
     let along = (cell.size & upward) | L::Bits::splat(0).minus(size) & !upward;
     let aligned = !size.minus(one);
-    let mut corner =
-        core::array::from_fn(|k| cell.corner[k].plus(along & L::indicator(exit.axis[k]).spread()) & aligned);
+    let mut corner = per_axis!(k => cell.corner[k].plus(along & L::indicator(exit.axis[k]).spread()) & aligned);
     let mut record = neighbour;
     if is_finer.any() {
         // The child that the ray enters: by the side that faces the ray, in the quadrant of the exit point.
         let exit_bit = one << (exit.face >> one);
         let quadrant = S::upper_halves(line, cell, exit) & !exit_bit & is_finer.spread();
         record = record.plus(quadrant | line.neg & exit_bit & is_finer.spread());
-        corner = core::array::from_fn(|k| {
-            let is_upper = quadrant >> L::Bits::splat(k as u32) & one;
-            corner[k].plus(size & is_upper.spread())
-        });
+        corner = per_axis!(k => corner[k].plus(size & (quadrant >> L::Bits::splat(k as u32) & one).spread()));
     }
     (record, Cell { corner, size })
 }
 
 /// The link kind of a face, from word 0 of a record.
+#[inline(always)]
 pub fn link_kind<L: Lanes>(head: L::Bits, face: L::Bits) -> L::Bits {
     head >> L::Bits::splat(LINK_SHIFT).plus(face << L::Bits::splat(1)) & L::Bits::splat(3)
 }
 
 /// The neighbour word of a face, for one lane.
+#[inline(always)]
 pub fn neighbour(record: &Record, face: u32) -> u32 {
     // Face numbers are 0 to 5 by construction; the mask lets the compiler see that the index is in range.
     record.neighbours[(face as usize).min(5)]

@@ -1,10 +1,11 @@
 //! The scalar tracer: one ray, from leaf to leaf.
 
-use crate::boxes::{Boxes, near_and_far};
+use crate::boxes::Slabs;
 use crate::lanes::Lanes;
 use crate::layout::{BLOCK_WIDTH, Block, Key, LATTICE, LINK_NONE, PADDING, PAYLOAD_BLOCKS, Payload, START_MARGIN};
 use crate::nearest::Nearest;
 use crate::octree::{Octree, Parts};
+use crate::per_axis;
 use crate::policy::{Policy, Standard};
 use crate::ray::{CanonicalRay, Hit, Ray};
 use crate::step::{Cell, Line, Slab, Step, cross, link_kind, neighbour};
@@ -69,7 +70,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
     pub fn closest_hit_with_work(&self, ray: &Ray) -> (Option<Hit>, Work) {
         let Some(canonical) = self.parts.frame.canonical_with::<P>(ray) else { return Default::default() };
         let search = self.walk::<false>(&canonical, &mut |_, _| {});
-        (search.nearest.is_hit().then(|| search.nearest.hit(&canonical)), search.work)
+        (search.nearest.is_hit().then(|| search.nearest.hit(&canonical.clock)), search.work)
     }
 
     /// See [`Octree::occluded`].
@@ -95,6 +96,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         let mut search = Search { ray, nearest: Nearest::new(ray), work: Work::default() };
         let line = Line::<f32>::new(ray);
         let Some(start) = start::<P>(&line, ray) else { return search };
+        let slabs = Slabs::new(line.origin, line.inverse);
         let (shear, axes) = Shear::<f32>::new(ray);
         let (mut number, mut cell) = self.locate(start, &line);
         loop {
@@ -103,7 +105,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
             let record = &self.parts.records[number as usize];
             let head = record.head();
             if head.t_count() != 0 {
-                self.leaf::<ANY>(record.offset, &cell, &line, &shear, axes, &mut search);
+                self.leaf::<ANY>(record.offset, &slabs, line.neg, &shear, axes, &mut search);
                 if (ANY || P::STOPS_AT_FIRST_HIT) && search.nearest.is_hit() {
                     return search;
                 }
@@ -147,19 +149,18 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
     fn leaf<const ANY: bool>(
         &self,
         first: u32,
-        cell: &Cell<f32>,
-        line: &Line<f32>,
+        slabs: &Slabs<f32>,
+        neg: u32,
         shear: &Shear<f32>,
         axes: [usize; 3],
         search: &mut Search<'_>,
     ) {
-        let boxes = Boxes::new(cell.corner, cell.size, line);
         let mut payload = &self.parts.payloads[first as usize];
-        if !search.meets(&boxes, line.neg, payload) {
+        if !search.meets(slabs, neg, payload) {
             return;
         }
         loop {
-            let met = search.blocks_met(&boxes, line.neg, payload);
+            let met = search.blocks_met(slabs, neg, payload);
             for b in (0..PAYLOAD_BLOCKS as u32).filter(|b| met >> b & 1 == 1) {
                 search.work.blocks += 1;
                 let block = &self.parts.blocks[(payload.first + b) as usize];
@@ -206,19 +207,20 @@ fn precedes(a: &Cell<f32>, b: &Cell<f32>, neg: u32) -> bool {
 impl Search<'_> {
     /// Whether the ray meets a payload's tight box.
     #[inline(always)]
-    fn meets(&self, boxes: &Boxes, neg: u32, payload: &Payload) -> bool {
-        let (near, far) = near_and_far(neg, payload.lower, payload.upper);
-        let (first, last) = boxes.clip(near.map(f32::from), far.map(f32::from), self.ray.t_min, self.nearest.t);
+    fn meets(&self, slabs: &Slabs<f32>, neg: u32, payload: &Payload) -> bool {
+        let sides = [payload.lower, payload.upper];
+        let facing = |neg: u32| -> [f32; 3] { per_axis!(k => f32::from(sides[(neg >> k & 1) as usize][k])) };
+        let (first, last) = slabs.clip(facing(neg), facing(!neg), self.ray.t_min, self.nearest.t);
         first <= last
     }
 
     /// Bit b: block b's box is met. All eight at once, in a loop that compilers turn into SIMD.
     #[inline(always)]
-    fn blocks_met(&self, boxes: &Boxes, neg: u32, payload: &Payload) -> u32 {
-        let (near, far) = near_and_far(neg, payload.box_lower, payload.box_upper);
+    fn blocks_met(&self, slabs: &Slabs<f32>, neg: u32, payload: &Payload) -> u32 {
+        let (near, far) = (payload.facing(neg), payload.facing(!neg));
         let is_met: [bool; PAYLOAD_BLOCKS] = core::array::from_fn(|b| {
-            let slice = |sides: [[u8; PAYLOAD_BLOCKS]; 3]| sides.map(|axis| f32::from(axis[b]));
-            let (first, last) = boxes.clip(slice(near), slice(far), self.ray.t_min, self.nearest.t);
+            let (near, far) = (per_axis!(k => f32::from(near[k][b])), per_axis!(k => f32::from(far[k][b])));
+            let (first, last) = slabs.clip(near, far, self.ray.t_min, self.nearest.t);
             first <= last
         });
         (0..).zip(is_met).fold(0, |met, (b, is_met)| met | u32::from(is_met) << b)
@@ -249,7 +251,7 @@ impl Search<'_> {
         if !P::ORDERS_BY_REPORTED {
             return nearest.offer(t, u, v, primitive);
         }
-        let (new, old) = (self.ray.reported(t), self.ray.reported(nearest.t));
+        let (new, old) = (self.ray.clock.reported(t), self.ray.clock.reported(nearest.t));
         let is_nearer = !nearest.is_hit() || new < old || (new == old && primitive < nearest.primitive);
         if t > self.ray.t_min && t < self.ray.t_max && is_nearer {
             *nearest = Nearest { t, u, v, primitive, ..*nearest };

@@ -5,7 +5,13 @@
 
 use crate::lanes::{Lanes, Mask};
 use crate::layout::{SMALLEST, SMALLEST_SHEARED};
+use crate::per_axis;
 use crate::ray::CanonicalRay;
+
+/// How far below 0 a difference of products may lie whose exact value, with small coordinates taken for 0, is not
+/// negative. Sheared coordinates are at most 4 (2 from the origin, and as much again by the shear), so that a product with
+/// one below [`SMALLEST_SHEARED`] is below 2^-36, and of two such products the difference below 2^-35.
+const CANDIDATE_SLACK: f32 = 8.0 * SMALLEST_SHEARED;
 
 /// The ray's part of the test: everything that does not depend on the triangle.
 #[derive(Clone, Copy, Debug)]
@@ -18,23 +24,55 @@ pub struct Shear<L> {
 
 /// The axes in the order of a ray's permutation: the one of its largest direction component last.
 pub fn permutation(direction: [f32; 3]) -> [usize; 3] {
-    let [x, y, z] = direction.map(f32::abs);
-    if x >= y && x >= z {
-        [1, 2, 0]
-    } else if y >= z {
-        [2, 0, 1]
+    let [is_x, is_y, _] = main_axis(direction);
+    PERMUTATIONS[if is_x {
+        0
+    } else if is_y {
+        1
     } else {
-        [0, 1, 2]
-    }
+        2
+    }]
+}
+
+/// The permutation by its last axis.
+pub const PERMUTATIONS: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+
+/// Which axis has the largest direction component: one of three, the first of equals.
+#[inline(always)]
+pub fn main_axis<L: Lanes>(direction: [L; 3]) -> [L::Mask; 3] {
+    let [x, y, z]: [L; 3] = per_axis!(k => direction[k].abs());
+    let is_x = y.at_most(x) & z.at_most(x);
+    let is_y = z.at_most(y) & !is_x;
+    [is_x, is_y, !is_x & !is_y]
 }
 
 impl<L: Lanes> Shear<L> {
     /// One ray in every lane, with its permutation.
+    #[inline(always)]
     pub fn new(ray: &CanonicalRay) -> (Self, [usize; 3]) {
         let axes = permutation(ray.direction);
-        let [x, y, z] = axes.map(|k| ray.direction[k]);
-        let slope = [x / z, y / z, 1.0 / z].map(L::splat);
-        (Self { origin: axes.map(|k| L::splat(ray.origin[k])), slope }, axes)
+        let permuted = |p: [f32; 3]| per_axis!(k => p[axes[k]]);
+        (Self::splat(&Shear::of_permuted(permuted(ray.origin), permuted(ray.direction))), axes)
+    }
+
+    /// A ray a lane, permuted.
+    #[inline(always)]
+    pub fn of_permuted(origin: [L; 3], [x, y, z]: [L; 3]) -> Self {
+        Self { origin, slope: [x / z, y / z, L::splat(1.0) / z] }
+    }
+}
+
+impl<L: Lanes> Shear<L> {
+    /// The same ray in every lane.
+    #[inline(always)]
+    pub fn splat(shear: &Shear<f32>) -> Self {
+        Self { origin: per_axis!(k => L::splat(shear.origin[k])), slope: per_axis!(k => L::splat(shear.slope[k])) }
+    }
+
+    /// A point's distance from the ray along an axis across it.
+    #[inline(always)]
+    fn lateral(&self, from_origin: [L; 3], axis: usize) -> L {
+        from_origin[axis] - self.slope[axis] * from_origin[2]
     }
 }
 
@@ -61,22 +99,24 @@ impl<L: Lanes> Sheared<L> {
     /// Shears permuted corners.
     #[inline(always)]
     pub fn new(shear: &Shear<L>, corners: [[L; 3]; 3]) -> Self {
-        let from_origin = corners.map(|c| [c[0] - shear.origin[0], c[1] - shear.origin[1], c[2] - shear.origin[2]]);
+        let from_origin: [[L; 3]; 3] = per_axis!(c => per_axis!(k => corners[c][k] - shear.origin[k]));
         Self {
-            x: from_origin.map(|c| (c[0] - shear.slope[0] * c[2]).flush(SMALLEST_SHEARED)),
-            y: from_origin.map(|c| (c[1] - shear.slope[1] * c[2]).flush(SMALLEST_SHEARED)),
-            z: from_origin.map(|c| c[2]),
+            x: per_axis!(c => shear.lateral(from_origin[c], 0)),
+            y: per_axis!(c => shear.lateral(from_origin[c], 1)),
+            z: per_axis!(c => from_origin[c][2]),
         }
     }
 
-    /// Which lanes may hold a hit: rounding is monotone, so a comparison of two products is right or a tie, and no
-    /// triangle that the exact signs accept is lost.
+    /// Which lanes may hold a hit: no triangle that [`Sheared::finish`] accepts is left out.
+    ///
+    /// Rounding is monotone, so the sign of a difference of two rounded products is right, or the difference is 0; and
+    /// where the finish takes a small coordinate for 0, its products are within the slack.
     #[inline(always)]
     pub fn is_candidate(&self) -> L::Mask {
         let ([ax, bx, cx], [ay, by, cy]) = (self.x, self.y);
-        let (u1, u2, v1, v2, w1, w2) = (cx * by, cy * bx, ax * cy, ay * cx, bx * ay, by * ax);
-        let not_negative = u2.at_most(u1) & v2.at_most(v1) & w2.at_most(w1);
-        let not_positive = u1.at_most(u2) & v1.at_most(v2) & w1.at_most(w2);
+        let (u, v, w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
+        let not_negative = L::splat(-CANDIDATE_SLACK).at_most(u.min(v).min(w));
+        let not_positive = u.max(v).max(w).at_most(L::splat(CANDIDATE_SLACK));
         not_negative | not_positive
     }
 
@@ -86,7 +126,8 @@ impl<L: Lanes> Sheared<L> {
     /// (ARCHITECTURE.md, "Triangle test").
     #[inline(always)]
     pub fn finish(&self, shear: &Shear<L>) -> (L::Mask, Candidate<L>) {
-        let ([ax, bx, cx], [ay, by, cy]) = (self.x, self.y);
+        let [ax, bx, cx] = per_axis!(c => self.x[c].flush(SMALLEST_SHEARED));
+        let [ay, by, cy] = per_axis!(c => self.y[c].flush(SMALLEST_SHEARED));
         let u = difference_of_products(cx, by, cy, bx);
         let v = difference_of_products(ax, cy, ay, cx);
         let w = difference_of_products(bx, ay, by, ax);
@@ -97,7 +138,7 @@ impl<L: Lanes> Sheared<L> {
 
         let sum = (u + v) + w;
         let (v, w) = (v / sum, w / sum);
-        let [az, bz, cz] = self.z.map(|z| shear.slope[2] * z);
+        let [az, bz, cz] = per_axis!(c => shear.slope[2] * self.z[c]);
         let t = az + (v * (bz - az) + w * (cz - az));
         (accepted, Candidate { t: t.flush(SMALLEST), u: v.flush(SMALLEST), v: w.flush(SMALLEST) })
     }

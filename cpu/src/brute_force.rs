@@ -38,7 +38,7 @@ impl BruteForce {
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         let canonical = self.frame.canonical(ray)?;
         let (t, hit) = self.closest(&canonical)?;
-        Some(Hit { t: canonical.reported(t), ..hit })
+        Some(Hit { t: canonical.clock.reported(t), ..hit })
     }
 
     /// The closest hit of a canonical ray with its canonical distance; the hit's own t is not set.

@@ -6,8 +6,13 @@ mod build;
 mod descent;
 mod lanes;
 mod mesh;
+mod node;
+mod prepare;
+mod question;
 mod single;
+mod stream;
 mod tracer;
+mod trail;
 mod verify;
 
 pub use brute_force::BruteForce;

@@ -4,7 +4,9 @@ use leafwalk_core::{Hit, LengthMismatch, Octree, Ray, Tracer, Walk, Work};
 use rayon::prelude::*;
 
 use crate::lanes::Registers;
+use crate::question::{Closest, Occluded, Question};
 use crate::single::Single;
+use crate::stream::Stream;
 
 /// Rays a task: enough to hide the cost of handing it out, few enough to share the work evenly.
 const CHUNK: usize = 4096;
@@ -29,13 +31,21 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
 
     /// The closest hit of one ray, on this thread.
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let hit = Single::new(&self.octree.parts(), self.registers).closest_hit(ray);
+        let hit = self.single::<Closest>(ray);
         (!hit.is_miss()).then_some(hit)
     }
 
     /// Whether one ray hits anything, on this thread.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        Single::new(&self.octree.parts(), self.registers).occluded(ray)
+        self.single::<Occluded>(ray)
+    }
+
+    #[inline(always)]
+    fn single<Q: Question>(&self, ray: &Ray) -> Q::Answer {
+        let mut answer = Q::MISS;
+        let (rays, answers) = (core::slice::from_ref(ray), core::slice::from_mut(&mut answer));
+        self.registers.run(Single::<Q> { parts: &self.octree.parts(), rays, answers });
+        answer
     }
 
     /// Closest hits, each with the work it took, for heat maps and reports.
@@ -44,20 +54,23 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     /// When the slices differ in length.
     pub fn closest_hits_with_work(&self, rays: &[Ray], answers: &mut [(Hit, Work)]) -> Result<(), LengthMismatch> {
         let parts = self.octree.parts();
-        answer(rays, answers, |ray| {
-            let (hit, work) = Walk::new(&parts).closest_hit_with_work(ray);
-            (hit.unwrap_or(Hit::MISS), work)
+        answer(rays, answers, |rays, answers| {
+            let walk = Walk::new(&parts);
+            for (ray, answer) in rays.iter().zip(answers) {
+                let (hit, work) = walk.closest_hit_with_work(ray);
+                *answer = (hit.unwrap_or(Hit::MISS), work);
+            }
         })
     }
 }
 
-fn answer<A: Send>(rays: &[Ray], answers: &mut [A], trace: impl Fn(&Ray) -> A + Sync) -> Result<(), LengthMismatch> {
+fn answer<A: Send>(
+    rays: &[Ray],
+    answers: &mut [A],
+    trace: impl Fn(&[Ray], &mut [A]) + Sync,
+) -> Result<(), LengthMismatch> {
     LengthMismatch::check(rays.len(), answers.len())?;
-    rays.par_chunks(CHUNK).zip(answers.par_chunks_mut(CHUNK)).for_each(|(rays, answers)| {
-        for (ray, answer) in rays.iter().zip(answers) {
-            *answer = trace(ray);
-        }
-    });
+    rays.par_chunks(CHUNK).zip(answers.par_chunks_mut(CHUNK)).for_each(|(rays, answers)| trace(rays, answers));
     Ok(())
 }
 
@@ -66,13 +79,11 @@ impl<W: AsRef<[u32]> + Sync> Tracer for CpuTracer<W> {
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
         let parts = self.octree.parts();
-        let single = Single::new(&parts, self.registers);
-        answer(rays, hits, |ray| single.closest_hit(ray))
+        answer(rays, hits, |rays, answers| self.registers.run(Stream::<Closest> { parts: &parts, rays, answers }))
     }
 
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
         let parts = self.octree.parts();
-        let single = Single::new(&parts, self.registers);
-        answer(rays, occluded, |ray| single.occluded(ray))
+        answer(rays, occluded, |rays, answers| self.registers.run(Stream::<Occluded> { parts: &parts, rays, answers }))
     }
 }

@@ -6,7 +6,7 @@ use leafwalk_core::layout::{Block, Key, NONE, Payload, Record};
 use leafwalk_core::{Octree, Parts};
 use rayon::prelude::*;
 
-use crate::build::{BuildError, NonFinite, Split, normalise_with, quantised_bounds};
+use crate::build::{BuildError, NonFinite, Split, box_inside, normalise_with};
 use crate::mesh::Mesh;
 
 /// What a verification found in order.
@@ -195,8 +195,9 @@ impl Check<'_> {
 
     fn block(&self, leaf: u32, key: Key, payload: &Payload, b: usize, block: &Block) -> Result<(), VerifyError> {
         for (lane, &primitive) in block.primitives.iter().enumerate().filter(|(_, primitive)| **primitive != NONE) {
-            let (lower, upper) = quantised_bounds(key, &block.corners(lane), self.parts.header.padding);
-            let fits = |k: usize| lower[k] >= payload.box_lower[k][b] && upper[k] <= payload.box_upper[k][b];
+            let (lower, upper) = box_inside(key, &block.corners(lane), self.parts.header.padding);
+            let boxed = payload.boxed(b);
+            let fits = |k: usize| lower[k] >= boxed.0[k] && upper[k] <= boxed.1[k];
             if !(0..3).all(fits) {
                 return Err(VerifyError::SmallBox { leaf, primitive });
             }

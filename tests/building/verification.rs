@@ -31,7 +31,8 @@ fn triangles_binned_without_padding_are_found() {
     verify(&builder.build(&mesh).unwrap()).unwrap();
     let spoiled = builder.spoil(Spoiled::Padding).build(&mesh).unwrap();
     let error = verify(&spoiled).unwrap_err();
-    assert!(matches!(error, VerifyError::MissingReference { .. }), "{error}");
+    // Boxes of what is listed reach less far as well.
+    assert!(matches!(error, VerifyError::MissingReference { .. } | VerifyError::SmallBox { .. }), "{error}");
 }
 
 /// Takes a lane out of a block, and out of the header's count.
@@ -81,13 +82,13 @@ fn a_box_that_is_too_small_is_found() {
     let mut shrunk = 0;
     for (number, payload) in octree.parts().payloads.iter().enumerate().filter(is_of_a_leaf).step_by(5) {
         for k in 0..3 {
-            if payload.box_lower[k][0] == payload.box_upper[k][0] {
+            if payload.sides[k][0][0] == payload.sides[k][1][0] {
                 continue;
             }
-            let smaller = valid.decode_with(|file| file.payloads()[number].box_upper[k][0] -= 1).unwrap();
+            let smaller = valid.decode_with(|file| file.payloads()[number].sides[k][1][0] -= 1).unwrap();
             let error = verify(&smaller).unwrap_err();
             assert!(matches!(error, VerifyError::SmallBox { .. }), "payload {number}: {error}");
-            let smaller = valid.decode_with(|file| file.payloads()[number].box_lower[k][0] += 1).unwrap();
+            let smaller = valid.decode_with(|file| file.payloads()[number].sides[k][0][0] += 1).unwrap();
             let error = verify(&smaller).unwrap_err();
             assert!(matches!(error, VerifyError::SmallBox { .. }), "payload {number}: {error}");
             shrunk += 1;

@@ -172,7 +172,7 @@ fn a_section_must_hold_whole_items_in_the_right_number() {
     // One vacant item more than the leaves list.
     for section in [Section::Payloads, Section::Blocks] {
         let mut content = valid.clone().section(section).to_vec();
-        let item = if section == Section::Payloads { 16 } else { 80 };
+        let item = if section == Section::Payloads { 32 } else { 80 };
         content.extend_from_within(content.len() - item..);
         let words = content.len() as u32;
         let error = refused(&valid, |file| file.replace(section, &content));

@@ -14,7 +14,7 @@ use crate::{chains, levels};
 fn items_have_the_sizes_of_the_format() {
     let words = size_of::<u32>();
     assert_eq!((size_of::<Record>(), RECORD_WORDS * words), (32, 32));
-    assert_eq!((size_of::<Payload>(), PAYLOAD_WORDS * words), (64, 64));
+    assert_eq!((size_of::<Payload>(), PAYLOAD_WORDS * words), (128, 128));
     assert_eq!((size_of::<Block>(), BLOCK_WORDS * words), (320, 320));
     assert_eq!((size_of_val(&Key::ROOT.to_words()), KEY_WORDS * words), (8, 8));
     assert_eq!((size_of::<Header>(), SECTION_ALIGN * words), (64, 64));

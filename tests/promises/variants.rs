@@ -126,5 +126,5 @@ fn hits<L: ScalarLanes>(
 /// The smallest (t', primitive) of the triangles that a canonical ray hits.
 fn closest<L: ScalarLanes>(ray: &CanonicalRay, triangles: impl Iterator<Item = (u32, [[f32; 3]; 3])>) -> Option<Hit> {
     let order = |a: &Hit, b: &Hit| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive));
-    hits::<L>(ray, triangles).min_by(order).map(|hit| Hit { t: ray.reported(hit.t), ..hit })
+    hits::<L>(ray, triangles).min_by(order).map(|hit| Hit { t: ray.clock.reported(hit.t), ..hit })
 }

@@ -3,7 +3,7 @@
 
 use super::wrong_length;
 use crate::error::{DecodeError, RecordFault};
-use crate::layout::{ABSENT, BLOCK_WORDS, CHAINED, NONE, PAYLOAD_BLOCKS, PAYLOAD_WORDS, Payload, QuantisedBox, hull};
+use crate::layout::{ABSENT, BLOCK_WORDS, CHAINED, LatticeBox, NONE, PAYLOAD_BLOCKS, PAYLOAD_WORDS, Payload, hull};
 use crate::octree::Parts;
 use crate::wire::Section;
 
@@ -42,9 +42,10 @@ impl<'a> Contents<'a> {
             && end <= self.parts.payloads.len()
             && (0..8).all(|octant| {
                 let child = is_listed(octant).then(|| &self.parts.payloads[payload.child(octant) as usize]);
-                payload.boxed(octant as usize) == child.map_or(ABSENT, |child| child.seen_from_parent(octant))
+                payload.boxed(octant as usize) == child.map_or(ABSENT, Payload::hull)
             })
-            && (payload.lower, payload.upper) == hull((0..8).map(|octant| payload.boxed(octant)));
+            && payload.hull() == hull((0..8).map(|octant| payload.boxed(octant)))
+            && payload.unused == [0; 2];
         self.payloads = end as u32;
         if is_right { Ok(()) } else { Err(bad) }
     }
@@ -83,14 +84,14 @@ impl<'a> Contents<'a> {
     }
 
     /// Whether a leaf's payload has its blocks, and the tight box of the leaf its boxes.
-    fn is_consistent(&self, payload: &Payload, tight: QuantisedBox) -> bool {
+    fn is_consistent(&self, payload: &Payload, tight: LatticeBox) -> bool {
         let count = usize::from(payload.count);
-        let is_inside = |outer: QuantisedBox, inner: QuantisedBox| {
+        let is_inside = |outer: LatticeBox, inner: LatticeBox| {
             (0..3).all(|k| outer.0[k] <= inner.0[k] && inner.0[k] <= inner.1[k] && inner.1[k] <= outer.1[k])
         };
-        let own = (payload.lower, payload.upper);
+        let own = payload.hull();
         (1..=PAYLOAD_BLOCKS).contains(&count)
-            && payload.children == 0
+            && (payload.children, payload.unused) == (0, [0; 2])
             && payload.first as usize + count <= self.parts.blocks.len()
             && is_inside(tight, own)
             && (0..count).all(|block| is_inside(own, payload.boxed(block)))

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use leafwalk_core::layout::{
-    ABSENT, BLOCK_WIDTH, Block, Key, LATTICE_STEP, NONE, PAYLOAD_BLOCKS, Payload, QuantisedBox, hull,
+    ABSENT, BLOCK_WIDTH, Block, Key, LATTICE, LatticeBox, NONE, PAYLOAD_BLOCKS, Payload, hull,
 };
 
 use super::clip::clipped_bounds;
@@ -52,45 +52,27 @@ pub(crate) fn fill(
     group(&mut listed);
 
     let groups = listed.chunks_mut(BLOCK_WIDTH).collect::<Vec<_>>();
-    let boxes: Vec<_> = groups.iter().map(|group| quantise(cell, group)).collect();
+    let boxes: Vec<_> = groups.iter().map(|group| round_out(cell, group)).collect();
     for (group, block) in groups.into_iter().zip(blocks) {
         // Ascending primitives, so that the block's bytes do not depend on how it was found.
         group.sort_unstable_by_key(|listed| listed.reference);
         *block = pack(group, triangles);
     }
     let count = payload_count(references.len());
-    let in_payload = |(i, own): (usize, &[QuantisedBox])| {
-        let (lower, upper) = hull(if i == 0 { &boxes } else { own }.iter().copied());
-        let slot = |b: usize| own.get(b).copied().unwrap_or(ABSENT);
-        Payload {
-            lower,
-            count: own.len() as u8,
-            upper,
-            children: 0,
-            first: place.block + (i * PAYLOAD_BLOCKS) as u32,
-            next: if i + 1 == count { NONE } else { place.chain + i as u32 },
-            box_lower: core::array::from_fn(|k| core::array::from_fn(|b| slot(b).0[k])),
-            box_upper: core::array::from_fn(|k| core::array::from_fn(|b| slot(b).1[k])),
-        }
+    let in_payload = |(i, own): (usize, &[LatticeBox])| {
+        let payload = Payload::of_boxes(core::array::from_fn(|b| own.get(b).copied().unwrap_or(ABSENT)));
+        let (lower, upper) = if i == 0 { hull(boxes.iter().copied()) } else { payload.hull() };
+        let next = if i + 1 == count { NONE } else { place.chain + i as u32 };
+        Payload { lower, upper, first: place.block + (i * PAYLOAD_BLOCKS) as u32, next, ..payload }
     };
     boxes.chunks(PAYLOAD_BLOCKS).enumerate().map(in_payload).collect()
 }
 
 /// The payload of an inner node, given those of its children that list something, by octant.
 pub(crate) fn gather(children: &[Option<&Payload>; 8], first: u32) -> Payload {
-    let slot = |octant: usize| children[octant].map_or(ABSENT, |child| child.seen_from_parent(octant as u32));
-    let (lower, upper) = hull((0..8).map(slot));
-    let present = (0..8).fold(0, |mask, octant| mask | u8::from(children[octant].is_some()) << octant);
-    Payload {
-        lower,
-        count: present.count_ones() as u8,
-        upper,
-        children: present,
-        first,
-        next: NONE,
-        box_lower: core::array::from_fn(|k| core::array::from_fn(|octant| slot(octant).0[k])),
-        box_upper: core::array::from_fn(|k| core::array::from_fn(|octant| slot(octant).1[k])),
-    }
+    let payload = Payload::of_boxes(children.map(|child| child.map_or(ABSENT, Payload::hull)));
+    let present = (0..8).fold(0, |mask, octant| mask | u16::from(children[octant].is_some()) << octant);
+    Payload { children: present, first, ..payload }
 }
 
 /// Bounds of the part of a triangle inside a dilated cell. Binning is more generous than clipping: what only touches
@@ -102,10 +84,10 @@ fn bounds_inside(cell: Key, corners: &[[f32; 3]; 3], padding: f32) -> (DVec3, DV
     clipped_bounds(corners, lower, upper).unwrap_or_else(whole)
 }
 
-/// The slices of a cell that a triangle's block box must cover.
-pub(crate) fn quantised_bounds(cell: Key, corners: &[[f32; 3]; 3], padding: f32) -> QuantisedBox {
+/// The lattice steps that a triangle's block box must cover.
+pub(crate) fn box_inside(cell: Key, corners: &[[f32; 3]; 3], padding: f32) -> LatticeBox {
     let (lower, upper) = bounds_inside(cell, corners, padding);
-    quantise(cell, &[Listed { reference: 0, lower, upper }])
+    round_out(cell, &[Listed { reference: 0, lower, upper }])
 }
 
 /// Orders triangles so that every run of eight lies close together: halves along the longest axis of the centres.
@@ -128,14 +110,15 @@ fn group(listed: &mut [Listed]) {
     group(right);
 }
 
-/// The box of a group in slices of the cell. What the padding adds outside the cell is left to the box margin.
-fn quantise(cell: Key, group: &[Listed]) -> QuantisedBox {
-    let corner = DVec3::from_array(cell.bounds().0.map(f64::from));
-    let slices = 256.0 / f64::from(cell.size() as f32 * LATTICE_STEP);
-    let slice = |c: f64, k: usize| ((c - corner[k]) * slices).floor().clamp(0.0, 255.0) as u8;
+/// The box of a group in lattice steps. What the padding adds outside the cell is left to the box margin.
+fn round_out(cell: Key, group: &[Listed]) -> LatticeBox {
+    let step = |c: f64, k: usize| {
+        let first = cell.corner[k];
+        ((c * f64::from(LATTICE)).floor() as u32).clamp(first, first + cell.size() - 1) as u16
+    };
     let lower = |k: usize| group.iter().map(|listed| listed.lower[k]).fold(f64::INFINITY, f64::min);
     let upper = |k: usize| group.iter().map(|listed| listed.upper[k]).fold(f64::NEG_INFINITY, f64::max);
-    (core::array::from_fn(|k| slice(lower(k), k)), core::array::from_fn(|k| slice(upper(k), k)))
+    (core::array::from_fn(|k| step(lower(k), k)), core::array::from_fn(|k| step(upper(k), k)))
 }
 
 fn pack(group: &[Listed], triangles: &[(u32, [[f32; 3]; 3])]) -> Block {

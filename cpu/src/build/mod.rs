@@ -16,7 +16,7 @@ use leafwalk_core::Octree;
 use leafwalk_core::layout::{MAX_LEVEL, PADDING};
 
 pub use error::BuildError;
-pub(crate) use leaf::quantised_bounds;
+pub(crate) use leaf::box_inside;
 pub(crate) use normalise::{NonFinite, Normalised, normalise, normalise_with};
 pub(crate) use overlap::Split;
 

@@ -187,8 +187,16 @@ impl Eight for Avx2 {
         Self(unsafe { _mm256_loadu_ps(values.as_ptr()) })
     }
     #[inline(always)]
-    fn from_bytes(bytes: &[u8; 8]) -> Self {
-        Self(unsafe { _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(bytes.as_ptr().cast()))) })
+    fn from_steps(steps: &[u16; 8]) -> Self {
+        Self(unsafe { _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(steps.as_ptr().cast()))) })
+    }
+    #[inline(always)]
+    fn prefetch<T>(item: &T) {
+        const LINE: usize = 64;
+        let start: *const i8 = core::ptr::from_ref(item).cast();
+        for offset in (0..size_of::<T>()).step_by(LINE) {
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset)) };
+        }
     }
     #[inline(always)]
     fn to_array(self) -> [f32; 8] {

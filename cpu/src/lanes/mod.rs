@@ -14,10 +14,12 @@ use portable::Portable;
 pub(crate) trait Eight: Lanes {
     /// One number a lane.
     fn load(values: &[f32; 8]) -> Self;
-    /// One small integer a lane, as numbers.
-    fn from_bytes(bytes: &[u8; 8]) -> Self;
+    /// One lattice step a lane, as numbers.
+    fn from_steps(steps: &[u16; 8]) -> Self;
     /// The numbers, lane by lane.
     fn to_array(self) -> [f32; 8];
+    /// Asks for the cache lines of an item that is used soon.
+    fn prefetch<T>(item: &T);
 }
 
 /// Work that is compiled for each kind of lanes.

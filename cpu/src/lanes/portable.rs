@@ -145,9 +145,11 @@ impl Eight for Portable {
         Self(f32x8::new(*values))
     }
     #[inline(always)]
-    fn from_bytes(bytes: &[u8; 8]) -> Self {
-        Self::from_integers(PortableBits(u32x8::new(bytes.map(u32::from))))
+    fn from_steps(steps: &[u16; 8]) -> Self {
+        Self::from_integers(PortableBits(u32x8::new(steps.map(u32::from))))
     }
+    #[inline(always)]
+    fn prefetch<T>(_: &T) {}
     #[inline(always)]
     fn to_array(self) -> [f32; 8] {
         self.0.to_array()

@@ -9,8 +9,8 @@ use leafwalk_core::lanes::Lanes;
 pub(crate) trait Arithmetic: Copy + Sync + Send {
     /// Products have error terms.
     const KEEPS_ERRORS: bool = true;
-    /// `a <= b` holds for equal numbers.
-    const ACCEPTS_TIES: bool = true;
+    /// `a < b` does not hold for equal numbers.
+    const KEEPS_STRICT: bool = true;
     /// A sum or difference of which one term is a product rounds once, as compilers for GPUs make it, and so does the
     /// comparison of two products, which such a compiler makes a difference.
     const CONTRACTS: bool = false;
@@ -28,11 +28,11 @@ impl Arithmetic for Plain {
     const KEEPS_ERRORS: bool = false;
 }
 
-/// `<` for `<=`.
+/// `<=` for `<`: where a weight must not be negative, 0 is out.
 #[derive(Clone, Copy)]
-pub(crate) struct Strict;
-impl Arithmetic for Strict {
-    const ACCEPTS_TIES: bool = false;
+pub(crate) struct Lax;
+impl Arithmetic for Lax {
+    const KEEPS_STRICT: bool = false;
 }
 
 /// Fused multiply-adds.
@@ -101,13 +101,12 @@ impl<A: Arithmetic> Lanes for Number<A> {
         Self::of(value)
     }
     fn less(self, other: Self) -> bool {
-        self.value < other.value
+        if A::KEEPS_STRICT { self.value < other.value } else { self.value <= other.value }
     }
     fn at_most(self, other: Self) -> bool {
         match A::CONTRACTS {
             true => other.plus(self, -1.0) >= 0.0,
-            false if A::ACCEPTS_TIES => self.value <= other.value,
-            false => self.value < other.value,
+            false => self.value <= other.value,
         }
     }
     fn equal(self, other: Self) -> bool {
