@@ -165,10 +165,10 @@ fn canonical<L: Eight>(frame: &Frame, rays: &[Ray]) -> Canonical<L> {
     let direction: [L; 3] = per_axis!(k => L::load(&given[3 + k]));
     let (t_min, t_max) = (L::load(&given[6]), L::load(&given[7]));
 
-    // The largest component's exponent, biased; a difference with itself is 0 but for NaN and infinities.
+    // The largest component's exponent, biased.
     let largest = direction[0].abs().max(direction[1].abs()).max(direction[2].abs());
-    let [a, b, c]: [L; 3] = per_axis!(k => (direction[k] - direction[k]) + (L::load(&given[k]) - L::load(&given[k])));
-    let is_finite = (((a + b) + c) + (t_min - t_min)).equal(L::splat(0.0)) & t_max.equal(t_max);
+    let [a, b, c]: [L; 3] = per_axis!(k => self_difference(direction[k]) + self_difference(L::load(&given[k])));
+    let is_finite = (((a + b) + c) + self_difference(t_min)).equal(L::splat(0.0)) & t_max.equal(t_max);
     let is_near = in_range(origin[0], NEAR) & in_range(origin[1], NEAR) & in_range(origin[2], NEAR);
     // Powers of two from 2^-60 to 2^60 for the direction, and for the root, keep all factors normal numbers.
     const MOST: f32 = (1u64 << 60) as f32;
@@ -198,6 +198,13 @@ fn canonical<L: Eight>(frame: &Frame, rays: &[Ray]) -> Canonical<L> {
         one_by_one(frame, rays, special, &mut out);
     }
     out
+}
+
+/// 0, but NaN for what is not finite.
+#[inline(always)]
+fn self_difference<L: Lanes>(x: L) -> L {
+    let same = x;
+    x - same
 }
 
 #[inline(always)]

@@ -13,7 +13,7 @@ use crate::question::Question;
 use crate::trail::Trail;
 
 /// Rays in flight.
-const FLIGHTS: usize = 8;
+const FLIGHTS: usize = 12;
 
 /// A batch of rays to answer.
 pub(crate) struct Stream<'a, Q: Question> {
@@ -64,18 +64,17 @@ impl<Q: Question> Kernel for Stream<'_, Q> {
                 let Ready { slabs, neg, nearest, .. } = &flight.ready;
                 let payload = &parts.payloads[flight.node as usize];
                 let (first, mut met) = meet(slabs, *neg, payload, nearest);
-                let next = if payload.children != 0 && met != 0 {
-                    flight.trail.enter(payload, *neg, met, first)
-                } else {
-                    while payload.children == 0 && met != 0 {
-                        let block = payload.first + met.trailing_zeros();
-                        L::prefetch(&parts.blocks[block as usize]);
-                        queue[queued] = Queued { flight: number as u32, block };
-                        queued += 1;
-                        met &= met - 1;
-                    }
-                    if payload.next != NONE { payload.next } else { flight.trail.back(*neg, nearest.t) }
-                };
+                let is_inner = payload.children != 0;
+                flight.trail.wait(payload, *neg, if is_inner { met } else { 0 }, first);
+                met = if is_inner { 0 } else { met };
+                while met != 0 {
+                    let block = payload.first + met.trailing_zeros();
+                    L::prefetch(&parts.blocks[block as usize]);
+                    queue[queued] = Queued { flight: number as u32, block };
+                    queued += 1;
+                    met &= met - 1;
+                }
+                let next = if payload.next != NONE { payload.next } else { flight.trail.back(*neg, nearest.t) };
                 flight.node = next;
                 if let Some(payload) = parts.payloads.get(next as usize) {
                     L::prefetch(payload);

@@ -24,6 +24,13 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
         Self { octree, registers: Registers::detect() }
     }
 
+    /// With the registers that the compiler may assume alone, for tests: all give the same bits.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn portable(self) -> Self {
+        Self { registers: Registers::Portable, ..self }
+    }
+
     /// The octree that is traced.
     pub fn octree(&self) -> &Octree<W> {
         &self.octree

@@ -8,7 +8,7 @@ use crate::scenes::{self, Scene};
 use crate::support::random::Random;
 use crate::support::{meshes, rays};
 use crate::tally::{Any, Tally, bits, scaled, tally};
-use crate::variants::Stepping;
+use crate::variants::{OneByOne, Stepping};
 
 /// A ray of numbers that depend on nothing but the seed and the index.
 pub(crate) type Source<'a> = &'a (dyn Fn(&mut Random) -> Ray + Sync);
@@ -58,7 +58,7 @@ pub(crate) fn differences(tracers: &[Any<'_>], oracle: Any<'_>, source: Source<'
     })
 }
 
-/// The octree, by both kinds of step, against testing every triangle.
+/// The octree, walked by both kinds of step and descended in all ways, against testing every triangle.
 fn compare(name: &str, mesh: &Mesh, count: u64, seed: u64) {
     compare_scene(name, &Scene::new(mesh), mesh, count, seed);
 }
@@ -67,8 +67,10 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
     let parts = scene.octree.parts();
     let slab = Stepping::<Slab, Standard>::new(&parts);
     let pluecker = Stepping::<Pluecker, Standard>::new(&parts);
-    let threads = CpuTracer::new(scene.octree.view());
-    let tracers: [Any<'_>; 4] = [&scene.octree, &slab, &pluecker, &threads];
+    let batches = CpuTracer::new(scene.octree.view());
+    let portable = batches.clone().portable();
+    let (singles, portable_singles) = (OneByOne(&batches), OneByOne(&portable));
+    let tracers: [Any<'_>; 7] = [&scene.octree, &slab, &pluecker, &batches, &singles, &portable, &portable_singles];
     differences(&tracers, &scene.brute_force, &hard(mesh), scaled(count), seed).passes(name, 0.05);
 }
 

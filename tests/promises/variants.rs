@@ -3,7 +3,7 @@
 
 use core::marker::PhantomData;
 
-use leafwalk::{CanonicalRay, Frame, Hit, LengthMismatch, Octree, Parts, Ray, Tracer};
+use leafwalk::{CanonicalRay, CpuTracer, Frame, Hit, LengthMismatch, Octree, Parts, Ray, Tracer};
 use leafwalk_core::lanes::Lanes;
 use leafwalk_core::step::Step;
 use leafwalk_core::triangle::{Shear, intersect};
@@ -51,6 +51,24 @@ impl<'a, S: Step, P: Policy> Stepping<'a, S, P> {
     }
 }
 tracer!(Stepping<S: Step, P: Policy>);
+
+/// The batch tracer asked ray by ray.
+pub(crate) struct OneByOne<'a, W>(pub(crate) &'a CpuTracer<W>);
+
+impl<W: AsRef<[u32]> + Sync> OneByOne<'_, W> {
+    fn answer(&self, ray: &Ray) -> Option<Hit> {
+        self.0.closest_hit(ray)
+    }
+
+    fn is_occluded(&self, ray: &Ray) -> bool {
+        self.0.occluded(ray)
+    }
+}
+tracer!(OneByOne<W: Words>);
+
+/// Words of an octree.
+pub(crate) trait Words: AsRef<[u32]> + Sync {}
+impl<W: AsRef<[u32]> + Sync> Words for W {}
 
 /// Every triangle that an octree lists, tested by any arithmetic.
 pub(crate) struct Every<'a, L> {

@@ -12,7 +12,7 @@ use crate::support::meshes;
 use crate::support::random::Random;
 use crate::support::rays::{Target, hex};
 use crate::tally::{Any, Tally, scaled, tally};
-use crate::variants::Stepping;
+use crate::variants::{OneByOne, Stepping};
 
 /// Rays of each kind at each mesh; LEAFWALK_RAYS=50 makes 1e7 of each at the four meshes made in code.
 const RAYS: u64 = 50_000;
@@ -111,7 +111,12 @@ fn check(name: &str, mesh: &Mesh, scene: &Scene, origins: u64, rays: u64, seed: 
         };
         check(&[&threads], name, rays, seed);
         // What P2 compares anyway takes a sample.
-        check(&[&scene.octree, &pluecker], &format!("{name}, one by one and by Plücker signs"), rays / 10, seed + 1000);
+        check(
+            &[&scene.octree, &pluecker, &OneByOne(&threads)],
+            &format!("{name}, in other ways"),
+            rays / 10,
+            seed + 1000,
+        );
     }
 }
 
