@@ -99,7 +99,12 @@ impl<L: Lanes> Sheared<L> {
     /// Shears permuted corners.
     #[inline(always)]
     pub fn new(shear: &Shear<L>, corners: [[L; 3]; 3]) -> Self {
-        let from_origin: [[L; 3]; 3] = per_axis!(c => per_axis!(k => corners[c][k] - shear.origin[k]));
+        Self::from_differences(shear, per_axis!(c => per_axis!(k => corners[c][k] - shear.origin[k])))
+    }
+
+    /// Shears what is left of permuted corners less the origin.
+    #[inline(always)]
+    pub fn from_differences(shear: &Shear<L>, from_origin: [[L; 3]; 3]) -> Self {
         Self {
             x: per_axis!(c => shear.lateral(from_origin[c], 0)),
             y: per_axis!(c => shear.lateral(from_origin[c], 1)),

@@ -1,6 +1,7 @@
 //! Builds leafwalk octrees ([`Builder`]), checks them ([`verify`]) and traces them on every core ([`CpuTracer`]).
 #![deny(unsafe_code)]
 
+mod batch;
 mod brute_force;
 mod build;
 mod descent;
@@ -11,6 +12,7 @@ mod prepare;
 mod question;
 mod single;
 mod stream;
+mod tile;
 mod tracer;
 mod trail;
 mod verify;

@@ -14,19 +14,19 @@ type Row = [f32; 8];
 
 /// Rays that wait, lane by lane.
 pub(crate) struct Prepared {
-    inverse: [Row; 3],
+    pub(crate) inverse: [Row; 3],
     near: [Row; 3],
     far: [Row; 3],
-    origin: [Row; 3],
-    slope: [Row; 3],
-    t_min: Row,
-    t_max: Row,
-    clocks: [Clock; 8],
+    pub(crate) origin: [Row; 3],
+    pub(crate) slope: [Row; 3],
+    pub(crate) t_min: Row,
+    pub(crate) t_max: Row,
+    pub(crate) clocks: [Clock; 8],
     /// Bit k: the lane's direction component k is negative.
-    neg: [u32; 8],
-    main_axis: [u8; 8],
+    pub(crate) neg: [u32; 8],
+    pub(crate) main_axis: [u8; 8],
     /// Lanes whose rays can hit anything, and still wait.
-    waiting: u32,
+    pub(crate) waiting: u32,
 }
 
 /// One ray, ready.

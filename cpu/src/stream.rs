@@ -6,7 +6,7 @@ use leafwalk_core::layout::NONE;
 use leafwalk_core::triangle::Shear;
 use leafwalk_core::{Parts, Ray};
 
-use crate::lanes::{Eight, Kernel};
+use crate::lanes::Eight;
 use crate::node::{meet, test_block};
 use crate::prepare::{Prepared, Ready};
 use crate::question::Question;
@@ -14,13 +14,6 @@ use crate::trail::Trail;
 
 /// Rays in flight.
 const FLIGHTS: usize = 12;
-
-/// A batch of rays to answer.
-pub(crate) struct Stream<'a, Q: Question> {
-    pub(crate) parts: &'a Parts<'a>,
-    pub(crate) rays: &'a [Ray],
-    pub(crate) answers: &'a mut [Q::Answer],
-}
 
 /// A ray on its way.
 struct Flight<L> {
@@ -39,73 +32,65 @@ struct Queued {
     block: u32,
 }
 
-impl<Q: Question> Kernel for Stream<'_, Q> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Eight>(self) {
-        let Self { parts, rays, answers } = self;
-        answers.fill(Q::MISS);
-        if parts.payloads.is_empty() {
-            return;
+/// Answers rays; the answers are those of misses before.
+#[inline(always)]
+pub(crate) fn stream<L: Eight, Q: Question>(parts: &Parts<'_>, rays: &[Ray], answers: &mut [Q::Answer]) {
+    let mut waiting = Waiting { parts, rays, next: 0, prepared: Prepared::none() };
+    let mut flights: Vec<Flight<L>> = Vec::with_capacity(FLIGHTS);
+    while flights.len() < FLIGHTS
+        && let Some((index, ready)) = waiting.take()
+    {
+        flights.push(Flight { ready, index, node: 0, trail: Trail::new() });
+    }
+    let mut queue = [Queued { flight: 0, block: 0 }; 8 * FLIGHTS];
+    let mut landed = [0u8; FLIGHTS];
+    while !flights.is_empty() {
+        let (mut queued, mut landings) = (0, 0);
+        for (number, flight) in flights.iter_mut().enumerate() {
+            let Ready { slabs, neg, nearest, .. } = &flight.ready;
+            let payload = &parts.payloads[flight.node as usize];
+            let (first, mut met) = meet(slabs, *neg, payload, nearest);
+            let is_inner = payload.children != 0;
+            flight.trail.wait(payload, *neg, if is_inner { met } else { 0 }, first);
+            met = if is_inner { 0 } else { met };
+            while met != 0 {
+                let block = payload.first + met.trailing_zeros();
+                L::prefetch(&parts.blocks[block as usize]);
+                queue[queued] = Queued { flight: number as u32, block };
+                queued += 1;
+                met &= met - 1;
+            }
+            let next = if payload.next != NONE { payload.next } else { flight.trail.back(*neg, nearest.t) };
+            flight.node = next;
+            if let Some(payload) = parts.payloads.get(next as usize) {
+                L::prefetch(payload);
+            } else {
+                landed[landings] = number as u8;
+                landings += 1;
+            }
         }
-        let mut waiting = Waiting { parts, rays, next: 0, prepared: Prepared::none() };
-        let mut flights: Vec<Flight<L>> = Vec::with_capacity(FLIGHTS);
-        while flights.len() < FLIGHTS
-            && let Some((index, ready)) = waiting.take()
-        {
-            flights.push(Flight { ready, index, node: 0, trail: Trail::new() });
+        for Queued { flight, block } in &queue[..queued] {
+            let Ready { shear, axes, nearest, .. } = &mut flights[*flight as usize].ready;
+            test_block(&parts.blocks[*block as usize], &Shear::<L>::splat(shear), *axes, nearest);
         }
-        let mut queue = [Queued { flight: 0, block: 0 }; 8 * FLIGHTS];
-        let mut landed = [0u8; FLIGHTS];
-        while !flights.is_empty() {
-            let (mut queued, mut landings) = (0, 0);
-            for (number, flight) in flights.iter_mut().enumerate() {
-                let Ready { slabs, neg, nearest, .. } = &flight.ready;
-                let payload = &parts.payloads[flight.node as usize];
-                let (first, mut met) = meet(slabs, *neg, payload, nearest);
-                let is_inner = payload.children != 0;
-                flight.trail.wait(payload, *neg, if is_inner { met } else { 0 }, first);
-                met = if is_inner { 0 } else { met };
-                while met != 0 {
-                    let block = payload.first + met.trailing_zeros();
-                    L::prefetch(&parts.blocks[block as usize]);
-                    queue[queued] = Queued { flight: number as u32, block };
-                    queued += 1;
-                    met &= met - 1;
-                }
-                let next = if payload.next != NONE { payload.next } else { flight.trail.back(*neg, nearest.t) };
-                flight.node = next;
-                if let Some(payload) = parts.payloads.get(next as usize) {
-                    L::prefetch(payload);
-                } else {
-                    landed[landings] = number as u8;
-                    landings += 1;
-                }
+        if Q::ANY {
+            landings = 0;
+            for (number, flight) in flights.iter().enumerate() {
+                landed[landings] = number as u8;
+                landings += usize::from(flight.node == NONE || flight.ready.nearest.is_hit());
             }
-            for Queued { flight, block } in &queue[..queued] {
-                let Ready { shear, axes, nearest, .. } = &mut flights[*flight as usize].ready;
-                test_block(&parts.blocks[*block as usize], &Shear::<L>::splat(shear), *axes, nearest);
-            }
-            if Q::ANY {
-                landings = 0;
-                for (number, flight) in flights.iter().enumerate() {
-                    landed[landings] = number as u8;
-                    landings += usize::from(flight.node == NONE || flight.ready.nearest.is_hit());
+        }
+        // From the last, so that those before keep their places.
+        for &number in landed[..landings].iter().rev() {
+            let number = usize::from(number);
+            let flight = &mut flights[number];
+            answers[flight.index] = Q::answer(&flight.ready.clock, &flight.ready.nearest);
+            match waiting.take() {
+                Some((index, ready)) => {
+                    (flight.index, flight.ready, flight.node) = (index, ready, 0);
+                    flight.trail.clear();
                 }
-            }
-            // From the last, so that those before keep their places.
-            for &number in landed[..landings].iter().rev() {
-                let number = usize::from(number);
-                let flight = &mut flights[number];
-                answers[flight.index] = Q::answer(&flight.ready.clock, &flight.ready.nearest);
-                match waiting.take() {
-                    Some((index, ready)) => {
-                        (flight.index, flight.ready, flight.node) = (index, ready, 0);
-                        flight.trail.clear();
-                    }
-                    None => drop(flights.swap_remove(number)),
-                }
+                None => drop(flights.swap_remove(number)),
             }
         }
     }

@@ -3,10 +3,10 @@
 use leafwalk_core::{Hit, LengthMismatch, Octree, Ray, Tracer, Walk, Work};
 use rayon::prelude::*;
 
+use crate::batch::Batch;
 use crate::lanes::Registers;
 use crate::question::{Closest, Occluded, Question};
 use crate::single::Single;
-use crate::stream::Stream;
 
 /// Rays a task: enough to hide the cost of handing it out, few enough to share the work evenly.
 const CHUNK: usize = 4096;
@@ -86,11 +86,11 @@ impl<W: AsRef<[u32]> + Sync> Tracer for CpuTracer<W> {
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
         let parts = self.octree.parts();
-        answer(rays, hits, |rays, answers| self.registers.run(Stream::<Closest> { parts: &parts, rays, answers }))
+        answer(rays, hits, |rays, answers| self.registers.run(Batch::<Closest> { parts: &parts, rays, answers }))
     }
 
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
         let parts = self.octree.parts();
-        answer(rays, occluded, |rays, answers| self.registers.run(Stream::<Occluded> { parts: &parts, rays, answers }))
+        answer(rays, occluded, |rays, answers| self.registers.run(Batch::<Occluded> { parts: &parts, rays, answers }))
     }
 }

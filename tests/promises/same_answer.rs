@@ -72,6 +72,10 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
     let (singles, portable_singles) = (OneByOne(&batches), OneByOne(&portable));
     let tracers: [Any<'_>; 7] = [&scene.octree, &slab, &pluecker, &batches, &singles, &portable, &portable_singles];
     differences(&tracers, &scene.brute_force, &hard(mesh), scaled(count), seed).passes(name, 0.05);
+    let (centre, size) = rays::extent(mesh);
+    let coherent = |random: &mut Random| rays::coherent(mesh, centre, size, random);
+    let name = format!("{name}, coherent rays");
+    differences(&[&batches, &portable], &scene.brute_force, &coherent, scaled(count), seed + 500).passes(&name, 0.2);
 }
 
 #[test]

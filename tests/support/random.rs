@@ -4,17 +4,26 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// The numbers of one case.
-pub struct Random(ChaCha8Rng);
+pub struct Random {
+    rng: ChaCha8Rng,
+    seed: u64,
+    index: u64,
+}
 
 impl Random {
     pub fn new(seed: u64, index: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(index);
-        Self(rng)
+        Self { rng, seed, index }
+    }
+
+    /// Numbers that a run of so many cases shares.
+    pub fn of_run(&self, length: u64) -> Self {
+        Self::new(self.seed.wrapping_add(1 << 32), self.index / length)
     }
 
     pub fn bits(&mut self) -> u32 {
-        self.0.next_u32()
+        self.rng.next_u32()
     }
 
     /// In 0..1, a multiple of 2^-24.

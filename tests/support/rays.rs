@@ -96,6 +96,34 @@ pub fn hard(mesh: &Mesh, centre: [f32; 3], size: f32, random: &mut Random) -> Ra
     Ray::between(origin, direction, t_min, t_max)
 }
 
+/// Rays a run of [`coherent`] ones.
+pub const RUN: u64 = 64;
+
+/// A ray of a run that has one origin and much the same direction, aimed where neighbouring triangles meet.
+pub fn coherent(mesh: &Mesh, centre: [f32; 3], size: f32, random: &mut Random) -> Ray {
+    let mut run = random.of_run(RUN);
+    let reach = [0.5, 0.5, 1.0, 1.4][run.below(4)] * size;
+    let v = run.vector();
+    let mut origin: [f32; 3] = core::array::from_fn(|k| centre[k] + reach * v[k]);
+    let first = run.below(mesh.triangles.len());
+    if run.below(8) == 0 {
+        origin = mesh.corners(run.below(mesh.triangles.len()))[0];
+    }
+    let corners = mesh.corners((first + random.below(6)) % mesh.triangles.len());
+    let (from, to) = (corners[random.below(3)], corners[random.below(3)]);
+    let w = if random.below(2) == 0 { 0.0 } else { random.unit() };
+    let target: [f32; 3] = core::array::from_fn(|k| from[k] + w * (to[k] - from[k]));
+    let mut direction = sub(target, origin);
+    if random.below(2) == 0 {
+        direction = direction.map(|c| random.nudge(c));
+    }
+    if direction == [0.0; 3] {
+        direction = [size, 0.0, 0.0];
+    }
+    let scale = 2f32.powi(random.below(8) as i32 - 4);
+    Ray::between(origin, direction.map(|c| c * scale), [0.0, 0.0, -0.5][random.below(3)], f32::INFINITY)
+}
+
 /// A ray cut just before or behind one of its own hits, to test the limits to the last bit.
 pub fn cut(ray: &Ray, t: f32, random: &mut Random) -> Ray {
     let near = f32::from_bits(t.to_bits().wrapping_add(random.below(5) as u32).wrapping_sub(2));

@@ -1,0 +1,81 @@
+//! A batch of rays, each traced in the way that suits it: runs with one origin as tiles, the others as a stream.
+
+use leafwalk_core::{Parts, Ray};
+
+use crate::lanes::{Eight, Kernel};
+use crate::prepare::Prepared;
+use crate::question::Question;
+use crate::stream::stream;
+use crate::tile::{PACKETS, RAYS, Tile};
+use crate::trail::Trail;
+
+/// Rays of one origin that are worth a tile; the tile is filled up with copies.
+const LEAST_RUN: usize = 32;
+
+/// A batch of rays to answer.
+pub(crate) struct Batch<'a, Q: Question> {
+    pub(crate) parts: &'a Parts<'a>,
+    pub(crate) rays: &'a [Ray],
+    pub(crate) answers: &'a mut [Q::Answer],
+}
+
+impl<Q: Question> Kernel for Batch<'_, Q> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Eight>(self) {
+        let Self { parts, rays, answers } = self;
+        answers.fill(Q::MISS);
+        if parts.payloads.is_empty() {
+            return;
+        }
+        let mut trail = Trail::new();
+        // Rays from here on wait for a stream.
+        let (mut from, mut at) = (0, 0);
+        while at < rays.len() {
+            let end = at + run_of_one_origin(&rays[at..]);
+            if end - at >= LEAST_RUN
+                && let Some(prepared) = prepare::<L>(parts, &rays[at..end])
+                && let Some(mut tile) = Tile::<L>::new(&prepared)
+            {
+                stream::<L, Q>(parts, &rays[from..at], &mut answers[from..at]);
+                if Q::ANY {
+                    tile.trace::<true>(parts, &mut trail);
+                } else {
+                    tile.trace::<false>(parts, &mut trail);
+                }
+                for (ray, answer) in answers[at..end].iter_mut().enumerate() {
+                    *answer = Q::answer(&prepared[ray / 8].clocks[ray % 8], &tile.nearest[ray]);
+                }
+                from = end;
+            }
+            at = end;
+        }
+        stream::<L, Q>(parts, &rays[from..], &mut answers[from..]);
+    }
+}
+
+/// How many of the first rays, a tile at the most, have the origin of the first.
+#[inline(always)]
+fn run_of_one_origin(rays: &[Ray]) -> usize {
+    let bits = |ray: &Ray| ray.origin.map(f32::to_bits);
+    rays.iter().take(RAYS).take_while(|ray| bits(ray) == bits(&rays[0])).count()
+}
+
+/// The rays of a tile, the last of them repeated until it is full.
+#[inline(always)]
+fn prepare<L: Eight>(parts: &Parts<'_>, rays: &[Ray]) -> Option<[Prepared; PACKETS]> {
+    let mut full = [*rays.last()?; RAYS];
+    full[..rays.len()].copy_from_slice(rays);
+    let packet = |packet: usize| &full[8 * packet..8 * packet + 8];
+    Some([
+        Prepared::of::<L>(&parts.frame, packet(0)),
+        Prepared::of::<L>(&parts.frame, packet(1)),
+        Prepared::of::<L>(&parts.frame, packet(2)),
+        Prepared::of::<L>(&parts.frame, packet(3)),
+        Prepared::of::<L>(&parts.frame, packet(4)),
+        Prepared::of::<L>(&parts.frame, packet(5)),
+        Prepared::of::<L>(&parts.frame, packet(6)),
+        Prepared::of::<L>(&parts.frame, packet(7)),
+    ])
+}
