@@ -14,6 +14,9 @@ use tinybvh_rs as _;
 
 use crate::{Answer, Family, OneByOne, Prepared, Rival, timed};
 
+#[cfg(not(all(target_arch = "x86_64", unix)))]
+compile_error!("the feature `tinybvh` is for x86-64 on Unix: leave it out");
+
 type Handle = *mut c_void;
 
 // The names are those of the Itanium ABI, by which a method is a function of a pointer first; a result that has a

@@ -2,6 +2,7 @@
 
 use leafwalk_benches::{Family, ours};
 
+use crate::earlier::Earlier;
 use crate::report::{Measure, Report, Row};
 
 /// One comparison.
@@ -19,14 +20,19 @@ impl Bar {
     }
 }
 
-/// Prints, for each scene, how fast ours is beside the fastest way to call each rival.
-pub(crate) fn print(report: &Report) {
+/// Prints, for each scene, how fast ours is beside the fastest way to call each rival, and beside a native build.
+pub(crate) fn print(report: &Report, native: Option<&Earlier>) {
     println!("\n{:>14} {:>6} {:>26} {:>26} {:>7} {:>6} {:>5}", "bars", "rays", "", "against", "ours/it", "bar", "aim");
     for scene in report.scenes() {
         for letter in ["P", "S", "D", "R"] {
             let rows: Vec<&Row> = report.rows(scene, Measure::Rays(letter)).collect();
             for bar in bars(scene, letter, &rows) {
                 line(scene, letter, &bar);
+            }
+            let ours = rows.iter().filter(|row| row.family == Family::Ours);
+            for (row, ratio) in ours.filter_map(|row| Some((row, native?.ratio(row)?))) {
+                let against = row.tracer.clone();
+                line(scene, letter, &Bar { about: "native build", ratio, against, bar: 0.9, aim: 1.0 });
             }
         }
         let rows: Vec<&Row> = report.rows(scene, Measure::Build { threads: 1 }).collect();

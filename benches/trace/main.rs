@@ -8,6 +8,7 @@
 
 mod bars;
 mod builds;
+mod earlier;
 mod race;
 mod report;
 #[path = "../support.rs"]
@@ -17,6 +18,7 @@ mod truth;
 use std::path::PathBuf;
 
 use clap::Parser;
+use earlier::Earlier;
 use leafwalk::{Builder, Mesh};
 use leafwalk_benches::{Rival, bvh, obvhs, ours, parry};
 use report::{Measure, Report, Row};
@@ -40,6 +42,9 @@ struct Arguments {
     /// Primary rays are this many squared; a multiple of 8.
     #[arg(long, default_value_t = 1024, value_parser = side)]
     side: u32,
+    /// The CSV of a run that was built with RUSTFLAGS='-C target-cpu=native', to compare ours with.
+    #[arg(long, value_name = "CSV")]
+    native: Option<PathBuf>,
     /// Cargo passes it.
     #[arg(long, hide = true)]
     bench: bool,
@@ -58,8 +63,14 @@ impl Arguments {
 
 fn main() {
     let arguments = Arguments::parse();
+    let native = arguments.native.as_deref().map(|path| {
+        Earlier::read(path).unwrap_or_else(|error| fail(2, &format!("cannot read {}: {error}", path.display())))
+    });
     let mut report = Report::default();
-    println!("{} rounds on one thread, by CPU time; ratios above 1: ours is faster", arguments.rounds);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let build = if cfg!(target_feature = "avx2") { "for CPUs with AVX2" } else { "without flags" };
+    println!("{} rounds on one thread, by CPU time; {cores} cores; built {build}", arguments.rounds);
+    println!("ours / it above 1: ours is faster");
     #[cfg(feature = "embree")]
     println!("Embree {}", leafwalk_benches::embree::version());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
@@ -68,15 +79,17 @@ fn main() {
             measure(&arguments, &name, &mesh, inside, &mut report);
         }
     });
-    bars::print(&report);
+    bars::print(&report, native.as_ref());
     let path = std::env::var_os("LEAFWALK_BENCH_CSV").map_or_else(default_path, PathBuf::from);
     match report.write(&path) {
         Ok(()) => println!("\nwritten to {}", path.display()),
-        Err(error) => {
-            eprintln!("cannot write {}: {error}", path.display());
-            std::process::exit(1);
-        }
+        Err(error) => fail(1, &format!("cannot write {}: {error}", path.display())),
     }
+}
+
+fn fail(code: i32, text: &str) -> ! {
+    eprintln!("{text}");
+    std::process::exit(code)
 }
 
 fn default_path() -> PathBuf {
@@ -94,8 +107,7 @@ fn scenes(names: &[String]) -> Vec<(String, Mesh, bool)> {
     ];
     for name in names {
         if !files.iter().any(|(_, file, _)| file.starts_with(name)) {
-            eprintln!("no scene is called {name}: give bunny, armadillo, dragon or conference");
-            std::process::exit(2);
+            fail(2, &format!("no scene is called {name}: give bunny, armadillo, dragon or conference"));
         }
     }
     let mut scenes: Vec<_> = files

@@ -1,10 +1,27 @@
 //! What was measured: rows, as a table to read and as CSV.
 
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 
 use leafwalk_benches::Family;
+
+/// The columns of the CSV, before those for the ratios of ours to the row's tracer.
+pub(crate) const COLUMNS: [&str; 13] = [
+    "scene",
+    "triangles",
+    "measure",
+    "tracer",
+    "rounds",
+    "unit",
+    "median",
+    "lower_quartile",
+    "upper_quartile",
+    "rays",
+    "hits",
+    "wrong",
+    "bytes_per_triangle",
+];
 
 /// What a row is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,7 +36,7 @@ impl Measure {
     pub(crate) fn is_build(self) -> bool {
         matches!(self, Self::Build { .. })
     }
-    fn name(self) -> String {
+    pub(crate) fn name(self) -> String {
         match self {
             Self::Build { threads: 1 } => "build".into(),
             Self::Build { threads } => format!("build on {threads} threads"),
@@ -52,6 +69,11 @@ impl Row {
         quantile(self.seconds.iter().map(rate).collect(), at)
     }
 
+    /// Of the times in seconds for a build, else of the speeds in Mrays/s.
+    pub(crate) fn median(&self) -> f64 {
+        self.quantile(0.5)
+    }
+
     pub(crate) fn median_seconds(&self) -> f64 {
         quantile(self.seconds.clone(), 0.5)
     }
@@ -67,6 +89,26 @@ impl Row {
     /// How many times as fast as another row this one is: the median over rounds.
     pub(crate) fn speed_over(&self, other: &Row) -> f64 {
         quantile(self.seconds.iter().zip(&other.seconds).map(|(own, other)| other / own).collect(), 0.5)
+    }
+
+    /// As [`COLUMNS`] says.
+    fn cells(&self) -> [String; COLUMNS.len()] {
+        let of_rays = |count: usize| cell((!self.measure.is_build()).then_some(count));
+        [
+            self.scene.clone(),
+            self.triangles.to_string(),
+            self.measure.name(),
+            self.tracer.clone(),
+            self.seconds.len().to_string(),
+            self.unit().into(),
+            self.median().to_string(),
+            self.quantile(0.25).to_string(),
+            self.quantile(0.75).to_string(),
+            of_rays(self.rays),
+            of_rays(self.hits),
+            of_rays(self.wrong),
+            cell(self.bytes_per_triangle()),
+        ]
     }
 
     fn belongs_with(&self, other: &Row) -> bool {
@@ -129,58 +171,36 @@ impl Report {
                 "{:>18} {:>26} {:>9.3} {:>8.3} {:>8.3} {counts}{ratios}",
                 row.measure.name(),
                 row.tracer,
-                row.quantile(0.5),
+                row.median(),
                 row.quantile(0.25),
                 row.quantile(0.75),
             );
         }
     }
 
-    /// Writes everything as CSV. Columns that a row has nothing for stay empty.
+    /// Writes everything as CSV. Cells that a row has nothing for stay empty.
     pub(crate) fn write(&self, path: &Path) -> io::Result<()> {
-        let ours: Vec<&str> = {
-            let mut names = Vec::new();
-            for row in self.rows.iter().filter(|row| row.family == Family::Ours) {
-                if !names.contains(&row.tracer.as_str()) {
-                    names.push(row.tracer.as_str());
-                }
+        let mut ours: Vec<&str> = Vec::new();
+        for row in self.rows.iter().filter(|row| row.family == Family::Ours) {
+            if !ours.contains(&row.tracer.as_str()) {
+                ours.push(&row.tracer);
             }
-            names
-        };
-        let mut text = Vec::new();
-        write!(
-            text,
-            "scene,triangles,measure,tracer,rounds,unit,median,lower_quartile,upper_quartile,rays,hits,wrong,"
-        )?;
-        write!(text, "bytes_per_triangle")?;
-        for name in &ours {
-            write!(text, ",{name} / it")?;
         }
-        writeln!(text)?;
+        let ratios = ours.iter().map(|name| format!("{name} / it"));
+        let mut lines = vec![COLUMNS.map(String::from).into_iter().chain(ratios).collect::<Vec<_>>().join(",")];
         for row in &self.rows {
-            let Row { scene, triangles, tracer, .. } = row;
-            let (measure, unit, rounds) = (row.measure.name(), row.unit(), row.seconds.len());
-            let [low, median, high] = [0.25, 0.5, 0.75].map(|at| row.quantile(at));
-            write!(text, "{scene},{triangles},{measure},{tracer},{rounds},{unit},{median},{low},{high},")?;
-            if row.measure.is_build() {
-                write!(text, ",,,")?;
-            } else {
-                write!(text, "{},{},{},", row.rays, row.hits, row.wrong)?;
-            }
-            if let Some(bytes) = row.bytes_per_triangle() {
-                write!(text, "{bytes}")?;
-            }
-            for name in &ours {
-                match self.ours(row).into_iter().find(|ours| ours.tracer == *name) {
-                    Some(ours) => write!(text, ",{}", ours.speed_over(row))?,
-                    None => write!(text, ",")?,
-                }
-            }
-            writeln!(text)?;
+            let beside = self.ours(row);
+            let ratio = |name: &&str| beside.iter().find(|row| row.tracer == **name).map(|ours| ours.speed_over(row));
+            let ratios = ours.iter().map(|name| cell(ratio(name)));
+            lines.push(row.cells().into_iter().chain(ratios).collect::<Vec<_>>().join(","));
         }
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder)?;
         }
-        fs::write(path, text)
+        fs::write(path, lines.join("\n") + "\n")
     }
+}
+
+fn cell(value: Option<impl ToString>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
 }
