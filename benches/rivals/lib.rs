@@ -1,0 +1,126 @@
+//! The tracers that we compare with, each behind the same two questions.
+//!
+//! Rays are put into a tracer's own form, and its answers into ours, outside of what is timed. Timed is that a tracer
+//! reads the rays as its user would hold them, and writes the answers as it gives them.
+#![deny(unsafe_code)]
+
+use core::time::Duration;
+use std::time::Instant;
+
+use cpu_time::ProcessTime;
+use leafwalk::{Mesh, Ray};
+
+pub mod bvh;
+#[cfg(feature = "embree")]
+#[allow(unsafe_code, reason = "a binding to C")]
+pub mod embree;
+pub mod obvhs;
+pub mod ours;
+pub mod parry;
+#[cfg(feature = "tinybvh")]
+#[allow(unsafe_code, reason = "a binding to C++")]
+pub mod tinybvh;
+mod triangle;
+
+/// The closest hit of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answer {
+    /// In multiples of the ray's direction; infinity for a miss.
+    pub t: f32,
+    /// The triangle; any number for a miss.
+    pub primitive: u32,
+}
+
+impl Answer {
+    /// Nothing was hit.
+    pub const MISS: Self = Self { t: f32::INFINITY, primitive: u32::MAX };
+}
+
+/// Whose tracer it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// Ours, whatever its name.
+    Ours,
+    /// Embree by its default settings.
+    Embree,
+    /// Embree with its flag ROBUST.
+    EmbreeRobust,
+    /// The crate obvhs.
+    Obvhs,
+    /// The crate parry3d.
+    Parry,
+    /// The crate bvh.
+    Bvh,
+    /// tinybvh.
+    TinyBvh,
+}
+
+/// A tracer under measurement.
+pub trait Rival {
+    /// As tables print it.
+    fn name(&self) -> &str;
+    /// Whose it is.
+    fn family(&self) -> Family;
+    /// What it holds in memory to trace with, the caller's mesh not counted; `None` where it can't be told.
+    fn bytes(&self) -> Option<usize>;
+    /// Builds its structure once more, for the time that takes; `None` where another tracer stands for the same one.
+    fn rebuild(&self, mesh: &Mesh) -> Option<Duration>;
+    /// Ready to find the closest hit of each ray.
+    fn closest<'a>(&'a self, rays: &'a [Ray]) -> Box<dyn Prepared<Answer> + 'a>;
+    /// Ready to say of each ray whether it hits anything.
+    fn occluded<'a>(&'a self, rays: &'a [Ray]) -> Box<dyn Prepared<bool> + 'a>;
+}
+
+/// Rays in a tracer's own form, and room for their answers.
+pub trait Prepared<A> {
+    /// Undoes what tracing did to the rays. Not timed.
+    fn reset(&mut self) {}
+    /// Traces all rays: this is timed.
+    fn trace(&mut self);
+    /// What the last trace answered, ray by ray. Not timed.
+    fn answers(&self) -> Vec<A>;
+    /// A hash of all bits of the answers, from tracers that promise the same bits.
+    fn hash(&self) -> Option<u64> {
+        None
+    }
+}
+
+/// [`Prepared`] for tracers that are called with one ray at a time.
+struct OneByOne<R, H, T, C> {
+    rays: Vec<R>,
+    hits: Vec<H>,
+    trace: T,
+    convert: C,
+}
+
+impl<R, H: Clone, T: Fn(&R) -> H, C> OneByOne<R, H, T, C> {
+    fn new(rays: &[Ray], form: impl Fn(&Ray) -> R, miss: H, trace: T, convert: C) -> Self {
+        Self { hits: vec![miss; rays.len()], rays: rays.iter().map(form).collect(), trace, convert }
+    }
+}
+
+impl<R, H, A, T: Fn(&R) -> H, C: Fn(&R, &H) -> A> Prepared<A> for OneByOne<R, H, T, C> {
+    fn trace(&mut self) {
+        for (ray, hit) in self.rays.iter().zip(&mut self.hits) {
+            *hit = (self.trace)(ray);
+        }
+    }
+    fn answers(&self) -> Vec<A> {
+        self.rays.iter().zip(&self.hits).map(|(ray, hit)| (self.convert)(ray, hit)).collect()
+    }
+}
+
+/// Runs something and says how much time all threads of this process spent on it together. Others who use the same
+/// cores hardly disturb it.
+pub fn timed<T>(run: impl FnOnce() -> T) -> (T, Duration) {
+    let start = ProcessTime::now();
+    let result = run();
+    (result, start.elapsed())
+}
+
+/// Runs something and says how long it took by the clock on the wall.
+pub fn timed_by_wall<T>(run: impl FnOnce() -> T) -> (T, Duration) {
+    let start = Instant::now();
+    let result = run();
+    (result, start.elapsed())
+}

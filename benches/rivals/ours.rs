@@ -1,0 +1,109 @@
+//! Ours: anything that is a `Tracer` over an octree.
+
+use core::hash::{Hash, Hasher};
+use core::time::Duration;
+use std::hash::DefaultHasher;
+
+use leafwalk::{Builder, CpuTracer, Hit, LengthMismatch, Mesh, Octree, Ray, Tracer, hit_hash};
+
+use crate::{Answer, Family, Prepared, Rival, timed};
+
+/// What a user gets who asks for nothing special.
+pub const DEFAULT: &str = "leafwalk";
+/// One ray a call.
+pub const SINGLE: &str = "leafwalk single";
+
+/// All tracers of ours, over an octree. A further one takes a line here.
+pub fn all(octree: &Octree<Vec<u32>>) -> Vec<Box<dyn Rival + '_>> {
+    let view = octree.view();
+    vec![
+        ours(DEFAULT, octree, CpuTracer::new(view.clone())),
+        ours("leafwalk scalar", octree, view.clone()),
+        ours(SINGLE, octree, Single(CpuTracer::new(view))),
+    ]
+}
+
+fn ours<'a>(name: &'static str, octree: &Octree<Vec<u32>>, tracer: impl Tracer + 'a) -> Box<dyn Rival + 'a> {
+    Box::new(Ours { name, tracer, bytes: size_of_val(octree.as_words()) })
+}
+
+struct Ours<T> {
+    name: &'static str,
+    tracer: T,
+    bytes: usize,
+}
+
+impl<T: Tracer> Rival for Ours<T> {
+    fn name(&self) -> &str {
+        self.name
+    }
+    fn family(&self) -> Family {
+        Family::Ours
+    }
+    fn bytes(&self) -> Option<usize> {
+        Some(self.bytes)
+    }
+    fn rebuild(&self, mesh: &Mesh) -> Option<Duration> {
+        (self.name == DEFAULT).then(|| timed(|| Builder::new().build(mesh).is_ok()).1)
+    }
+    fn closest<'a>(&'a self, rays: &'a [Ray]) -> Box<dyn Prepared<Answer> + 'a> {
+        Box::new(Batch { tracer: &self.tracer, rays, answers: vec![Hit::MISS; rays.len()] })
+    }
+    fn occluded<'a>(&'a self, rays: &'a [Ray]) -> Box<dyn Prepared<bool> + 'a> {
+        Box::new(Batch { tracer: &self.tracer, rays, answers: vec![false; rays.len()] })
+    }
+}
+
+struct Batch<'a, T, A> {
+    tracer: &'a T,
+    rays: &'a [Ray],
+    answers: Vec<A>,
+}
+
+impl<T: Tracer> Prepared<Answer> for Batch<'_, T, Hit> {
+    fn trace(&mut self) {
+        self.tracer.closest_hits(self.rays, &mut self.answers).expect("equal lengths");
+    }
+    fn answers(&self) -> Vec<Answer> {
+        self.answers.iter().map(|hit| Answer { t: hit.t, primitive: hit.primitive }).collect()
+    }
+    fn hash(&self) -> Option<u64> {
+        Some(hit_hash(&self.answers))
+    }
+}
+
+impl<T: Tracer> Prepared<bool> for Batch<'_, T, bool> {
+    fn trace(&mut self) {
+        self.tracer.occlusions(self.rays, &mut self.answers).expect("equal lengths");
+    }
+    fn answers(&self) -> Vec<bool> {
+        self.answers.clone()
+    }
+    fn hash(&self) -> Option<u64> {
+        let mut hasher = DefaultHasher::new();
+        self.answers.hash(&mut hasher);
+        Some(hasher.finish())
+    }
+}
+
+/// The tracer as it is when it is called with one ray at a time.
+struct Single<'a>(CpuTracer<&'a [u32]>);
+
+impl Tracer for Single<'_> {
+    type Error = LengthMismatch;
+
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
+        LengthMismatch::check(rays.len(), hits.len())?;
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.0.closest_hit(ray).unwrap_or(Hit::MISS);
+        }
+        Ok(())
+    }
+    fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
+        LengthMismatch::check(rays.len(), occluded.len())?;
+        for (ray, occluded) in rays.iter().zip(occluded) {
+            *occluded = self.0.occluded(ray);
+        }
+        Ok(())
+    }
+}

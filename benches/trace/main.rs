@@ -1,0 +1,184 @@
+//! Rays a second of ours and of other tracers: the same rays, interleaved in one process, on one thread, each answer
+//! judged.
+//!
+//! `cargo bench --bench trace [--features embree,tinybvh] [-- SCENE ...]`; LEAFWALK_SCENES names the folder of real
+//! scenes, without it the default is made in code. The table is also written as CSV, to target/bench/trace.csv or where
+//! LEAFWALK_BENCH_CSV says.
+#![forbid(unsafe_code)]
+
+mod bars;
+mod builds;
+mod earlier;
+mod race;
+mod report;
+#[path = "../support.rs"]
+mod support;
+mod truth;
+
+use std::path::PathBuf;
+
+use clap::Parser;
+use earlier::Earlier;
+use leafwalk::{Builder, Mesh};
+use leafwalk_benches::{Rival, bvh, obvhs, ours, parry};
+use report::{Measure, Report, Row};
+use support::workloads;
+use truth::Truth;
+
+/// Measures tracers beside each other.
+#[derive(Parser)]
+struct Arguments {
+    /// bunny, armadillo, dragon, conference; all by default.
+    scenes: Vec<String>,
+    /// Only rivals with one of these in their names, comma-separated; ours run always.
+    #[arg(long, value_delimiter = ',')]
+    rivals: Vec<String>,
+    /// Rounds of each measurement.
+    #[arg(long, default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..))]
+    rounds: u32,
+    /// Rounds of each build; 0: none is timed.
+    #[arg(long, default_value_t = 3)]
+    build_rounds: u32,
+    /// Primary rays are this many squared; a multiple of 8.
+    #[arg(long, default_value_t = 1024, value_parser = side)]
+    side: u32,
+    /// The CSV of a run that was built with RUSTFLAGS='-C target-cpu=native', to compare ours with.
+    #[arg(long, value_name = "CSV")]
+    native: Option<PathBuf>,
+    /// Cargo passes it.
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+fn side(text: &str) -> Result<u32, String> {
+    let is_right = |side: &u32| (8..=8192).contains(side) && side.is_multiple_of(8);
+    text.parse().ok().filter(is_right).ok_or_else(|| "give a multiple of 8 from 8 to 8192".into())
+}
+
+impl Arguments {
+    fn wants(&self, rival: &str) -> bool {
+        self.rivals.is_empty() || self.rivals.iter().any(|part| rival.contains(part))
+    }
+}
+
+fn main() {
+    let arguments = Arguments::parse();
+    let native = arguments.native.as_deref().map(|path| {
+        Earlier::read(path).unwrap_or_else(|error| fail(2, &format!("cannot read {}: {error}", path.display())))
+    });
+    let mut report = Report::default();
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let build = if cfg!(target_feature = "avx2") { "for CPUs with AVX2" } else { "without flags" };
+    println!("{} rounds on one thread, by CPU time; {cores} cores; built {build}", arguments.rounds);
+    println!("ours / it above 1: ours is faster");
+    #[cfg(feature = "embree")]
+    println!("Embree {}", leafwalk_benches::embree::version());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
+    pool.install(|| {
+        for (name, mesh, inside) in scenes(&arguments.scenes) {
+            measure(&arguments, &name, &mesh, inside, &mut report);
+        }
+    });
+    bars::print(&report, native.as_ref());
+    let path = std::env::var_os("LEAFWALK_BENCH_CSV").map_or_else(default_path, PathBuf::from);
+    match report.write(&path) {
+        Ok(()) => println!("\nwritten to {}", path.display()),
+        Err(error) => fail(1, &format!("cannot write {}: {error}", path.display())),
+    }
+}
+
+fn fail(code: i32, text: &str) -> ! {
+    eprintln!("{text}");
+    std::process::exit(code)
+}
+
+fn default_path() -> PathBuf {
+    // Cargo runs benches in the folder of their package.
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../target/bench/trace.csv")
+}
+
+/// Real scenes by the name of their file, or a sphere where there are none.
+fn scenes(names: &[String]) -> Vec<(String, Mesh, bool)> {
+    let files = [
+        ("bunny", "bunny.ply.gz", false),
+        ("armadillo", "armadillo_346k_resampled.ply.gz", false),
+        ("dragon", "dragon.ply.gz", false),
+        ("conference", "conference.obj.gz", true),
+    ];
+    for name in names {
+        if !files.iter().any(|(_, file, _)| file.starts_with(name)) {
+            fail(2, &format!("no scene is called {name}: give bunny, armadillo, dragon or conference"));
+        }
+    }
+    let mut scenes: Vec<_> = files
+        .into_iter()
+        .filter(|(_, file, _)| names.is_empty() || names.iter().any(|name| file.starts_with(name)))
+        .filter_map(|(name, file, inside)| {
+            let path = support::scenes::real(file, name)?;
+            let mesh = leafwalk::mesh_file::load(&path).expect("a readable scene").mesh;
+            Some((name.to_string(), mesh, inside))
+        })
+        .collect();
+    if scenes.is_empty() {
+        scenes.push(("bumpy sphere".into(), support::meshes::bumpy_sphere(6, 1), false));
+    }
+    scenes
+}
+
+fn measure(arguments: &Arguments, scene: &str, mesh: &Mesh, inside: bool, report: &mut Report) {
+    let octree = Builder::new().build(mesh).expect("a mesh that builds");
+    let triangles = mesh.triangles.len();
+    let stats = octree.stats();
+    println!(
+        "\n{scene}: {triangles} triangles; ours: {:.2} references a triangle, {} leaves",
+        f64::from(stats.references) / triangles as f64,
+        stats.leaves
+    );
+    let mut tracers = ours::all(&octree);
+    tracers.extend(rivals(mesh).into_iter().filter(|rival| arguments.wants(rival.name())));
+    for row in builds::run(arguments.build_rounds, scene, mesh, &tracers) {
+        report.add(row);
+    }
+    report.print(scene, Measure::is_build);
+    for workload in workloads::all(&octree, mesh, inside, arguments.side) {
+        let mut truth = Truth::new(&octree, mesh, &workload.rays);
+        let runs = match workload.is_occlusion {
+            true => race::run(arguments.rounds, &tracers, &mut truth, |rival| rival.occluded(&workload.rays)),
+            false => race::run(arguments.rounds, &tracers, &mut truth, |rival| rival.closest(&workload.rays)),
+        };
+        for (rival, run) in tracers.iter().zip(runs) {
+            report.add(Row {
+                scene: scene.into(),
+                triangles,
+                measure: Measure::Rays(workload.name),
+                tracer: rival.name().into(),
+                family: rival.family(),
+                seconds: run.seconds,
+                rays: workload.rays.len(),
+                hits: run.hits,
+                wrong: run.wrong,
+                bytes: None,
+            });
+        }
+        report.print(scene, |measure| measure == Measure::Rays(workload.name));
+    }
+}
+
+/// All tracers but ours that this build knows.
+fn rivals(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
+    #[allow(unused_mut, reason = "features add to it")]
+    let mut rivals: Vec<Box<dyn Rival>> = vec![
+        Box::new(obvhs::Cwbvh::new(mesh).0),
+        Box::new(obvhs::Binary::new(mesh).0),
+        Box::new(parry::Parry::new(mesh).0),
+        Box::new(bvh::Plain::new(mesh).0),
+    ];
+    #[cfg(feature = "embree")]
+    rivals.extend(leafwalk_benches::embree::all(mesh));
+    #[cfg(feature = "tinybvh")]
+    match leafwalk_benches::tinybvh::Bvh8::new(mesh) {
+        Some((bvh, _)) => rivals.push(Box::new(bvh)),
+        None => println!("skipped: tinybvh: this CPU has no AVX2 and FMA"),
+    }
+    rivals
+}

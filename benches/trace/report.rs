@@ -1,0 +1,206 @@
+//! What was measured: rows, as a table to read and as CSV.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use leafwalk_benches::Family;
+
+/// The columns of the CSV, before those for the ratios of ours to the row's tracer.
+pub(crate) const COLUMNS: [&str; 13] = [
+    "scene",
+    "triangles",
+    "measure",
+    "tracer",
+    "rounds",
+    "unit",
+    "median",
+    "lower_quartile",
+    "upper_quartile",
+    "rays",
+    "hits",
+    "wrong",
+    "bytes_per_triangle",
+];
+
+/// What a row is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Measure {
+    /// Building the structure.
+    Build { threads: u32 },
+    /// Tracing a workload, by its letter.
+    Rays(&'static str),
+}
+
+impl Measure {
+    pub(crate) fn is_build(self) -> bool {
+        matches!(self, Self::Build { .. })
+    }
+    pub(crate) fn name(self) -> String {
+        match self {
+            Self::Build { threads: 1 } => "build".into(),
+            Self::Build { threads } => format!("build on {threads} threads"),
+            Self::Rays(letter) => letter.into(),
+        }
+    }
+}
+
+/// One tracer in one measurement.
+pub(crate) struct Row {
+    pub(crate) scene: String,
+    pub(crate) triangles: usize,
+    pub(crate) measure: Measure,
+    pub(crate) tracer: String,
+    pub(crate) family: Family,
+    /// One time a round; rounds of the rows of one measurement belong together.
+    pub(crate) seconds: Vec<f64>,
+    /// 0 for a build, as the next two.
+    pub(crate) rays: usize,
+    pub(crate) hits: usize,
+    pub(crate) wrong: usize,
+    /// Of the structure.
+    pub(crate) bytes: Option<usize>,
+}
+
+impl Row {
+    /// A quantile of the times, in seconds for a build, else of the speeds, in Mrays/s.
+    fn quantile(&self, at: f64) -> f64 {
+        let rate = |seconds: &f64| if self.measure.is_build() { *seconds } else { self.rays as f64 / seconds / 1e6 };
+        quantile(self.seconds.iter().map(rate).collect(), at)
+    }
+
+    /// Of the times in seconds for a build, else of the speeds in Mrays/s.
+    pub(crate) fn median(&self) -> f64 {
+        self.quantile(0.5)
+    }
+
+    pub(crate) fn median_seconds(&self) -> f64 {
+        quantile(self.seconds.clone(), 0.5)
+    }
+
+    fn unit(&self) -> &'static str {
+        if self.measure.is_build() { "s" } else { "Mrays/s" }
+    }
+
+    fn bytes_per_triangle(&self) -> Option<f64> {
+        self.bytes.map(|bytes| bytes as f64 / self.triangles as f64)
+    }
+
+    /// How many times as fast as another row this one is: the median over rounds.
+    pub(crate) fn speed_over(&self, other: &Row) -> f64 {
+        quantile(self.seconds.iter().zip(&other.seconds).map(|(own, other)| other / own).collect(), 0.5)
+    }
+
+    /// As [`COLUMNS`] says.
+    fn cells(&self) -> [String; COLUMNS.len()] {
+        let of_rays = |count: usize| cell((!self.measure.is_build()).then_some(count));
+        [
+            self.scene.clone(),
+            self.triangles.to_string(),
+            self.measure.name(),
+            self.tracer.clone(),
+            self.seconds.len().to_string(),
+            self.unit().into(),
+            self.median().to_string(),
+            self.quantile(0.25).to_string(),
+            self.quantile(0.75).to_string(),
+            of_rays(self.rays),
+            of_rays(self.hits),
+            of_rays(self.wrong),
+            cell(self.bytes_per_triangle()),
+        ]
+    }
+
+    fn belongs_with(&self, other: &Row) -> bool {
+        self.scene == other.scene && self.measure == other.measure
+    }
+}
+
+/// Linear between the values beside it.
+fn quantile(mut values: Vec<f64>, at: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let place = at * (values.len() - 1) as f64;
+    let (low, high) = (values[place.floor() as usize], values[place.ceil() as usize]);
+    low + (high - low) * place.fract()
+}
+
+/// All rows of a run.
+#[derive(Default)]
+pub(crate) struct Report {
+    rows: Vec<Row>,
+}
+
+impl Report {
+    pub(crate) fn add(&mut self, row: Row) {
+        self.rows.push(row);
+    }
+
+    /// All rows of a scene's measurement, ours first.
+    pub(crate) fn rows(&self, scene: &str, measure: Measure) -> impl Iterator<Item = &Row> {
+        self.rows.iter().filter(move |row| row.scene == scene && row.measure == measure)
+    }
+
+    /// Scenes in the order of their measurement.
+    pub(crate) fn scenes(&self) -> Vec<&str> {
+        let mut scenes: Vec<&str> = self.rows.iter().map(|row| row.scene.as_str()).collect();
+        scenes.dedup();
+        scenes
+    }
+
+    fn ours(&self, of: &Row) -> Vec<&Row> {
+        self.rows.iter().filter(|row| row.family == Family::Ours && row.belongs_with(of)).collect()
+    }
+
+    /// Prints the table of some measures of a scene.
+    pub(crate) fn print(&self, scene: &str, wanted: impl Fn(Measure) -> bool) {
+        let rows: Vec<&Row> = self.rows.iter().filter(|row| row.scene == scene && wanted(row.measure)).collect();
+        let Some(first) = rows.first() else { return };
+        let is_build = first.measure.is_build();
+        let ours: Vec<&str> = self.ours(first).iter().map(|row| row.tracer.as_str()).collect();
+        let ratios: String = ours.iter().map(|name| format!(" {:>18}", format!("{name} / it"))).collect();
+        let counts = if is_build { "   bytes/triangle".into() } else { format!("{:>9} {:>7}", "hits", "wrong") };
+        println!("\n{:>18} {:>26} {:>9} {:>17} {counts}{ratios}", scene, "", first.unit(), "quartiles");
+        for row in rows {
+            let counts = match (is_build, row.bytes_per_triangle()) {
+                (false, _) => format!("{:>9} {:>7}", row.hits, row.wrong),
+                (true, Some(bytes)) => format!("{bytes:>17.1}"),
+                (true, None) => format!("{:>17}", ""),
+            };
+            let ratios: String = self.ours(row).iter().map(|ours| format!(" {:>18.2}", ours.speed_over(row))).collect();
+            println!(
+                "{:>18} {:>26} {:>9.3} {:>8.3} {:>8.3} {counts}{ratios}",
+                row.measure.name(),
+                row.tracer,
+                row.median(),
+                row.quantile(0.25),
+                row.quantile(0.75),
+            );
+        }
+    }
+
+    /// Writes everything as CSV. Cells that a row has nothing for stay empty.
+    pub(crate) fn write(&self, path: &Path) -> io::Result<()> {
+        let mut ours: Vec<&str> = Vec::new();
+        for row in self.rows.iter().filter(|row| row.family == Family::Ours) {
+            if !ours.contains(&row.tracer.as_str()) {
+                ours.push(&row.tracer);
+            }
+        }
+        let ratios = ours.iter().map(|name| format!("{name} / it"));
+        let mut lines = vec![COLUMNS.map(String::from).into_iter().chain(ratios).collect::<Vec<_>>().join(",")];
+        for row in &self.rows {
+            let beside = self.ours(row);
+            let ratio = |name: &&str| beside.iter().find(|row| row.tracer == **name).map(|ours| ours.speed_over(row));
+            let ratios = ours.iter().map(|name| cell(ratio(name)));
+            lines.push(row.cells().into_iter().chain(ratios).collect::<Vec<_>>().join(","));
+        }
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        fs::write(path, lines.join("\n") + "\n")
+    }
+}
+
+fn cell(value: Option<impl ToString>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
