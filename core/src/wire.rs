@@ -27,9 +27,10 @@ pub enum Section {
     Records,
     /// One [`crate::layout::Key`] a record.
     Keys,
-    /// [`crate::layout::Payload`]s.
+    /// [`crate::layout::Payload`]s: the root's, then, depth first, those of each inner node's children by octant and of each
+    /// leaf's chain.
     Payloads,
-    /// [`crate::layout::Block`]s.
+    /// [`crate::layout::Block`]s, leaf after leaf, depth first.
     Blocks,
     /// The entry grid: one record number a grid cell, x fastest.
     Grid,
