@@ -32,7 +32,7 @@ pub mod output_file;
 
 pub use leafwalk_core::{
     Aabb, CanonicalRay, DecodeError, Frame, Hit, LengthMismatch, Octree, Parts, Ray, RecordFault, Stats, Tracer, Work,
-    hit_hash, wire,
+    hit_hash, one_by_one, wire,
 };
 pub use leafwalk_cpu::{
     BruteForce, BuildError, Builder, CpuTracer, Mesh, Progress, Verified, VerifyError, verify, verify_against,

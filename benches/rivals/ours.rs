@@ -93,17 +93,9 @@ impl Tracer for Single<'_> {
     type Error = LengthMismatch;
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
-        LengthMismatch::check(rays.len(), hits.len())?;
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.0.closest_hit(ray).unwrap_or(Hit::MISS);
-        }
-        Ok(())
+        leafwalk::one_by_one(rays, hits, |ray| self.0.closest_hit(ray).unwrap_or(Hit::MISS))
     }
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
-        LengthMismatch::check(rays.len(), occluded.len())?;
-        for (ray, occluded) in rays.iter().zip(occluded) {
-            *occluded = self.0.occluded(ray);
-        }
-        Ok(())
+        leafwalk::one_by_one(rays, occluded, |ray| self.0.occluded(ray))
     }
 }

@@ -33,4 +33,4 @@ pub use octree::{Aabb, LEAF_SIZES, Octree, Parts, Stats};
 pub use policy::{Policy, Standard};
 pub use ray::{CanonicalRay, Clock, Hit, Ray, hit_hash};
 pub use trace::{Walk, Work};
-pub use tracer::{LengthMismatch, Tracer};
+pub use tracer::{LengthMismatch, Tracer, one_by_one};

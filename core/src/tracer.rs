@@ -51,27 +51,31 @@ impl fmt::Display for LengthMismatch {
 
 impl core::error::Error for LengthMismatch {}
 
+/// Answers each ray by itself.
+///
+/// # Errors
+/// When the slices differ in length.
+pub fn one_by_one<A>(rays: &[Ray], answers: &mut [A], mut answer: impl FnMut(&Ray) -> A) -> Result<(), LengthMismatch> {
+    LengthMismatch::check(rays.len(), answers.len())?;
+    for (ray, slot) in rays.iter().zip(answers) {
+        *slot = answer(ray);
+    }
+    Ok(())
+}
+
 /// The scalar tracer, on the calling thread.
 impl<W: AsRef<[u32]>> Tracer for Octree<W> {
     type Error = LengthMismatch;
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
-        LengthMismatch::check(rays.len(), hits.len())?;
         let parts = self.parts();
         let walk = Walk::new(&parts);
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = walk.closest_hit(ray).unwrap_or(Hit::MISS);
-        }
-        Ok(())
+        one_by_one(rays, hits, |ray| walk.closest_hit(ray).unwrap_or(Hit::MISS))
     }
 
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
-        LengthMismatch::check(rays.len(), occluded.len())?;
         let parts = self.parts();
         let walk = Walk::new(&parts);
-        for (ray, occluded) in rays.iter().zip(occluded) {
-            *occluded = walk.occluded(ray);
-        }
-        Ok(())
+        one_by_one(rays, occluded, |ray| walk.occluded(ray))
     }
 }

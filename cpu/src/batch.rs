@@ -58,8 +58,13 @@ impl<Q: Question> Kernel for Batch<'_, Q> {
 /// How many of the first rays, a tile at the most, have the origin of the first.
 #[inline(always)]
 fn run_of_one_origin(rays: &[Ray]) -> usize {
-    let bits = |ray: &Ray| ray.origin.map(f32::to_bits);
-    rays.iter().take(RAYS).take_while(|ray| bits(ray) == bits(&rays[0])).count()
+    let [x, y, z] = rays[0].origin;
+    let is_like = |ray: &&Ray| {
+        let [a, b, c] = ray.origin;
+        // Bit by bit, so that a NaN is like itself.
+        (x.to_bits() ^ a.to_bits()) | (y.to_bits() ^ b.to_bits()) | (z.to_bits() ^ c.to_bits()) == 0
+    };
+    rays.iter().take(RAYS).take_while(is_like).count()
 }
 
 /// The rays of a tile, the last of them repeated until it is full.

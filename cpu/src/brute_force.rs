@@ -2,7 +2,7 @@
 
 use leafwalk_core::layout::NONE;
 use leafwalk_core::triangle::{Shear, intersect};
-use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Ray, Tracer};
+use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Ray, Tracer, one_by_one};
 
 use crate::build::{BuildError, normalise};
 use crate::mesh::Mesh;
@@ -66,18 +66,10 @@ impl Tracer for BruteForce {
     type Error = LengthMismatch;
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
-        LengthMismatch::check(rays.len(), hits.len())?;
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.closest_hit(ray).unwrap_or(Hit::MISS);
-        }
-        Ok(())
+        one_by_one(rays, hits, |ray| self.closest_hit(ray).unwrap_or(Hit::MISS))
     }
 
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
-        LengthMismatch::check(rays.len(), occluded.len())?;
-        for (ray, occluded) in rays.iter().zip(occluded) {
-            *occluded = self.closest_hit(ray).is_some();
-        }
-        Ok(())
+        one_by_one(rays, occluded, |ray| self.closest_hit(ray).is_some())
     }
 }

@@ -80,7 +80,12 @@ impl Prepared {
         let shear = Shear::of_permuted(permute(ray.origin, is_x, is_y), permute(ray.direction, is_x, is_y));
         let (is_x, is_y) = (is_x.to_bits(), is_y.to_bits());
         let negative: [u32; 3] = per_axis!(k => ray.direction[k].less(L::splat(0.0)).to_bits());
-        let bit = |mask: u32, lane: usize| mask >> lane & 1;
+        let (mut neg, mut main_axis) = ([0; 8], [0; 8]);
+        for lane in 0..8 {
+            let bit = |mask: u32| mask >> lane & 1;
+            neg[lane] = bit(negative[0]) | bit(negative[1]) << 1 | bit(negative[2]) << 2;
+            main_axis[lane] = (2 - 2 * bit(is_x) - bit(is_y)) as u8;
+        }
         Self {
             inverse: rows(slabs.inverse),
             near: rows(slabs.near),
@@ -90,10 +95,8 @@ impl Prepared {
             t_min: ray.t_min,
             t_max: ray.t_max,
             clocks: ray.clocks,
-            neg: core::array::from_fn(|lane| {
-                bit(negative[0], lane) | bit(negative[1], lane) << 1 | bit(negative[2], lane) << 2
-            }),
-            main_axis: core::array::from_fn(|lane| (2 - 2 * bit(is_x, lane) - bit(is_y, lane)) as u8),
+            neg,
+            main_axis,
             waiting: ray.valid,
         }
     }

@@ -66,8 +66,8 @@ impl<L: Eight> Tile<L> {
                 return None;
             }
         }
-        let slope = |axis: usize| range(prepared.iter().flat_map(|rays| rays.slope[axis]));
-        let all: [(f32, f32); 2] = [slope(0), slope(1)];
+        let all: [(f32, f32); 2] =
+            [widest(range::<L>(prepared, |rays| &rays.slope[0])), widest(range::<L>(prepared, |rays| &rays.slope[1]))];
         if all.iter().any(|(least, greatest)| greatest - least > WIDEST) {
             return None;
         }
@@ -77,11 +77,8 @@ impl<L: Eight> Tile<L> {
         for k in 0..3 {
             steps[axes[k]] = origin[k] * LATTICE as f32;
         }
-        let inverse = |axis: usize| range(prepared.iter().flat_map(|rays| rays.inverse[axis]));
-        let inverse: [(f32, f32); 3] = [inverse(0), inverse(1), inverse(2)];
-        let of_packet = |packet: usize, axis: usize| range(prepared[packet].slope[axis].into_iter());
-        let packet = |axis: usize| core::array::from_fn(|packet| of_packet(packet, axis));
-        let of_packets: [[(f32, f32); PACKETS]; 2] = [packet(0), packet(1)];
+        let inverse = per_axis!(axis => widest(range::<L>(prepared, |rays| &rays.inverse[axis])));
+        let of_packets = [of_packets(prepared, 0), of_packets(prepared, 1)];
         let nearest = core::array::from_fn(|ray| {
             let (packet, lane) = (&prepared[ray / 8], ray % 8);
             Nearest { t_min: packet.t_min[lane], t: packet.t_max[lane], u: 0.0, v: 0.0, primitive: NONE }
@@ -93,8 +90,8 @@ impl<L: Eight> Tile<L> {
             axes,
             near: per_axis!(k => L::splat(if is_negative(k) { below[k] } else { above[k] })),
             far: per_axis!(k => L::splat(if is_negative(k) { above[k] } else { below[k] })),
-            inverse: per_axis!(k => Range { least: L::splat(inverse[k].0), greatest: L::splat(inverse[k].1) }),
-            t_min: prepared.iter().flat_map(|rays| rays.t_min).fold(f32::INFINITY, f32::min),
+            inverse: per_axis!(k => splat(inverse[k])),
+            t_min: widest(range::<L>(prepared, |rays| &rays.t_min)).0,
             origin: per_axis!(k => L::splat(origin[k])),
             packets: [
                 shear(&prepared[0]),
@@ -106,10 +103,10 @@ impl<L: Eight> Tile<L> {
                 shear(&prepared[6]),
                 shear(&prepared[7]),
             ],
-            of_packets: [lanes(&of_packets[0]), lanes(&of_packets[1])],
-            of_all: [lanes(&[all[0]; 8]), lanes(&[all[1]; 8])],
+            of_packets,
+            of_all: [splat(all[0]), splat(all[1])],
             nearest,
-            last: nearest.iter().map(|nearest| nearest.t).fold(f32::NEG_INFINITY, f32::max),
+            last: widest(range::<L>(prepared, |rays| &rays.t_max)).1,
             mailboxes: [NONE; MAILBOXES],
         })
     }
@@ -239,11 +236,53 @@ fn shear<L: Eight>(rays: &Prepared) -> Shear<L> {
     Shear { origin: per_axis!(k => L::load(&rays.origin[k])), slope: per_axis!(k => L::load(&rays.slope[k])) }
 }
 
+/// Lane by lane, the range of a row over all packets.
 #[inline(always)]
-fn lanes<L: Eight>(ranges: &[(f32, f32); 8]) -> Range<L> {
-    Range { least: L::load(&ranges.map(|range| range.0)), greatest: L::load(&ranges.map(|range| range.1)) }
+fn range<L: Eight>(prepared: &[Prepared; PACKETS], row: impl Fn(&Prepared) -> &[f32; 8]) -> Range<L> {
+    let mut range = Range { least: L::load(row(&prepared[0])), greatest: L::load(row(&prepared[0])) };
+    for rays in &prepared[1..] {
+        let row = L::load(row(rays));
+        range = Range { least: range.least.min(row), greatest: range.greatest.max(row) };
+    }
+    range
 }
 
-fn range(numbers: impl Iterator<Item = f32>) -> (f32, f32) {
-    numbers.fold((f32::INFINITY, f32::NEG_INFINITY), |(least, greatest), x| (least.min(x), greatest.max(x)))
+/// The range over all lanes.
+#[inline(always)]
+fn widest<L: Eight>(range: Range<L>) -> (f32, f32) {
+    (least(&range.least.to_array()), greatest(&range.greatest.to_array()))
+}
+
+/// Packet by packet, the range of its slopes along an axis.
+#[inline(always)]
+fn of_packets<L: Eight>(prepared: &[Prepared; PACKETS], axis: usize) -> Range<L> {
+    let (mut lower, mut upper) = ([0.0; PACKETS], [0.0; PACKETS]);
+    for packet in 0..PACKETS {
+        lower[packet] = least(&prepared[packet].slope[axis]);
+        upper[packet] = greatest(&prepared[packet].slope[axis]);
+    }
+    Range { least: L::load(&lower), greatest: L::load(&upper) }
+}
+
+#[inline(always)]
+fn splat<L: Lanes>((least, greatest): (f32, f32)) -> Range<L> {
+    Range { least: L::splat(least), greatest: L::splat(greatest) }
+}
+
+#[inline(always)]
+fn least(row: &[f32; 8]) -> f32 {
+    let mut least = row[0];
+    for lane in 1..8 {
+        least = if row[lane] < least { row[lane] } else { least };
+    }
+    least
+}
+
+#[inline(always)]
+fn greatest(row: &[f32; 8]) -> f32 {
+    let mut greatest = row[0];
+    for lane in 1..8 {
+        greatest = if row[lane] > greatest { row[lane] } else { greatest };
+    }
+    greatest
 }

@@ -7,7 +7,7 @@ use leafwalk::{CanonicalRay, CpuTracer, Frame, Hit, LengthMismatch, Octree, Part
 use leafwalk_core::lanes::Lanes;
 use leafwalk_core::step::Step;
 use leafwalk_core::triangle::{Shear, intersect};
-use leafwalk_core::{Policy, Walk};
+use leafwalk_core::{Policy, Walk, one_by_one};
 
 /// Implements [`Tracer`] by a method `answer(&self, &Ray) -> Option<Hit>`.
 macro_rules! tracer {
@@ -16,19 +16,11 @@ macro_rules! tracer {
             type Error = LengthMismatch;
 
             fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
-                LengthMismatch::check(rays.len(), hits.len())?;
-                for (ray, hit) in rays.iter().zip(hits) {
-                    *hit = self.answer(ray).unwrap_or(Hit::MISS);
-                }
-                Ok(())
+                one_by_one(rays, hits, |ray| self.answer(ray).unwrap_or(Hit::MISS))
             }
 
             fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
-                LengthMismatch::check(rays.len(), occluded.len())?;
-                for (ray, occluded) in rays.iter().zip(occluded) {
-                    *occluded = self.is_occluded(ray);
-                }
-                Ok(())
+                one_by_one(rays, occluded, |ray| self.is_occluded(ray))
             }
         }
     };

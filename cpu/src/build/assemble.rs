@@ -79,7 +79,7 @@ pub(crate) fn assemble(
     section(Section::Keys).copy_from_slice(bytemuck::cast_slice(&linked.keys));
     let payloads = bytemuck::cast_slice_mut(section(Section::Payloads));
     let blocks = bytemuck::cast_slice_mut(section(Section::Blocks));
-    fill_leaves(normalised, tree, &linked, settings.padding, payloads, blocks, monitor)?;
+    fill_leaves(normalised, tree, &linked, settings, payloads, blocks, monitor)?;
     gather(tree, &linked.payloads, payloads);
     section(Section::Grid).copy_from_slice(&linked.grid);
     section(Section::Materials).copy_from_slice(&mesh.material_ids);
@@ -103,7 +103,7 @@ fn fill_leaves(
     normalised: &Normalised,
     tree: &Tree,
     linked: &Linked,
-    padding: f32,
+    settings: &Settings,
     payloads: &mut [Payload],
     blocks: &mut [Block],
     monitor: &Monitor<'_>,
@@ -130,7 +130,14 @@ fn fill_leaves(
                 blocks = tail;
                 let place = Place { block, chain: linked.payloads.chain[*leaf as usize] };
                 block += own.len() as u32;
-                filled.extend(leaf::fill(node.key, tree.references(node), &normalised.triangles, padding, &place, own));
+                filled.extend(leaf::fill(
+                    node.key,
+                    tree.references(node),
+                    &normalised.triangles,
+                    settings,
+                    &place,
+                    own,
+                ));
             }
             Ok(filled)
         })

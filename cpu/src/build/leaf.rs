@@ -6,6 +6,7 @@ use leafwalk_core::layout::{
 };
 
 use super::clip::clipped_bounds;
+use super::{Settings, Spoiled};
 
 /// A triangle of a leaf with the bounds of its part inside the cell.
 #[derive(Clone, Copy)]
@@ -38,21 +39,21 @@ pub(crate) fn fill(
     cell: Key,
     references: &[u32],
     triangles: &[(u32, [[f32; 3]; 3])],
-    padding: f32,
+    settings: &Settings,
     place: &Place,
     blocks: &mut [Block],
 ) -> Vec<Payload> {
     let mut listed: Vec<Listed> = references
         .iter()
         .map(|&reference| {
-            let (lower, upper) = bounds_inside(cell, &triangles[reference as usize].1, padding);
+            let (lower, upper) = bounds_inside(cell, &triangles[reference as usize].1, settings.padding);
             Listed { reference, lower, upper }
         })
         .collect();
     group(&mut listed);
 
     let groups = listed.chunks_mut(BLOCK_WIDTH).collect::<Vec<_>>();
-    let boxes: Vec<_> = groups.iter().map(|group| round_out(cell, group)).collect();
+    let boxes: Vec<_> = groups.iter().map(|group| spoil(round_out(cell, group), settings.spoiled)).collect();
     for (group, block) in groups.into_iter().zip(blocks) {
         // Ascending primitives, so that the block's bytes do not depend on how it was found.
         group.sort_unstable_by_key(|listed| listed.reference);
@@ -119,6 +120,12 @@ fn round_out(cell: Key, group: &[Listed]) -> LatticeBox {
     let lower = |k: usize| group.iter().map(|listed| listed.lower[k]).fold(f64::INFINITY, f64::min);
     let upper = |k: usize| group.iter().map(|listed| listed.upper[k]).fold(f64::NEG_INFINITY, f64::max);
     (core::array::from_fn(|k| step(lower(k), k)), core::array::from_fn(|k| step(upper(k), k)))
+}
+
+/// A step smaller where boxes are spoiled.
+fn spoil((lower, upper): LatticeBox, spoiled: Spoiled) -> LatticeBox {
+    let shrink = |k: usize| u16::from(spoiled == Spoiled::Boxes && lower[k] < upper[k]);
+    (lower, core::array::from_fn(|k| upper[k] - shrink(k)))
 }
 
 fn pack(group: &[Listed], triangles: &[(u32, [[f32; 3]; 3])]) -> Block {

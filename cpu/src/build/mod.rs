@@ -67,6 +67,8 @@ pub enum Spoiled {
     CollinearTriangles,
     /// The mesh may touch the root's faces.
     MeshMargin,
+    /// Boxes are a lattice step too small.
+    Boxes,
 }
 
 /// What the stages of a build share.

@@ -10,7 +10,7 @@ use crate::support::random::Random;
 use crate::support::rays::{Target, extent, point_on};
 use crate::support::{meshes, rays};
 use crate::tally::{Tally, scaled};
-use crate::variants::{Every, Stepping};
+use crate::variants::{Every, OneByOne, Stepping};
 use crate::watertight::{inside, misses};
 
 const RAYS: u64 = 20_000;
@@ -135,4 +135,18 @@ fn the_roots_test_undilated_and_t_min_clamped() {
     under::<Standard>(&octree, &from_outside(&mesh), 64).passes("dilated, not clamped, P2", 0.5);
     under::<Undilated>(&octree, &from_outside(&mesh), 64).catches("undilated root test");
     under::<Clamped>(&octree, &from_outside(&mesh), 64).catches("t_min clamped after a move");
+}
+
+#[test]
+fn boxes_too_small() {
+    let mesh = meshes::soup(1000, 65);
+    let check = |spoiled: Spoiled| {
+        let octree = Builder::new().spoil(spoiled).build(&mesh).expect("a mesh that builds");
+        let batches = CpuTracer::new(octree.view());
+        let singles = OneByOne(&batches);
+        let every = Every::<f32>::of(&octree);
+        differences(&[&batches, &singles], &every, &hard(&mesh), scaled(RAYS), 65)
+    };
+    check(Spoiled::Nothing).passes("whole boxes, P2", 0.05);
+    check(Spoiled::Boxes).catches("boxes a lattice step too small");
 }
