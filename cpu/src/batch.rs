@@ -31,28 +31,41 @@ impl<Q: Question> Kernel for Batch<'_, Q> {
         }
         let mut trail = Trail::new();
         // Rays from here on wait for a stream.
-        let (mut from, mut at) = (0, 0);
-        while at < rays.len() {
-            let end = at + run_of_one_origin(&rays[at..]);
-            if end - at >= LEAST_RUN
-                && let Some(prepared) = prepare::<L>(parts, &rays[at..end])
-                && let Some(mut tile) = Tile::<L>::new(&prepared)
-            {
-                stream::<L, Q>(parts, &rays[from..at], &mut answers[from..at]);
-                if Q::ANY {
-                    tile.trace::<true>(parts, &mut trail);
-                } else {
-                    tile.trace::<false>(parts, &mut trail);
-                }
-                for (ray, answer) in answers[at..end].iter_mut().enumerate() {
-                    *answer = Q::answer(&prepared[ray / 8].clocks[ray % 8], &tile.nearest[ray]);
-                }
-                from = end;
+        let mut from = 0;
+        while from < rays.len() {
+            let tile = next_tile::<L>(parts, rays, from);
+            let at = tile.as_ref().map_or(rays.len(), |(at, ..)| *at);
+            stream::<L, Q>(parts, &rays[from..at], &mut answers[from..at]);
+            let Some((at, prepared, mut tile)) = tile else { return };
+            if Q::ANY {
+                tile.trace::<true>(parts, &mut trail);
+            } else {
+                tile.trace::<false>(parts, &mut trail);
             }
-            at = end;
+            let run = run_of_one_origin(&rays[at..]);
+            for (ray, answer) in answers[at..at + run].iter_mut().enumerate() {
+                *answer = Q::answer(&prepared[ray / 8].clocks[ray % 8], &tile.nearest[ray]);
+            }
+            from = at + run;
         }
-        stream::<L, Q>(parts, &rays[from..], &mut answers[from..]);
     }
+}
+
+/// The first run of rays that makes a tile: where it starts, its rays and the tile.
+#[inline(always)]
+fn next_tile<L: Eight>(parts: &Parts<'_>, rays: &[Ray], from: usize) -> Option<(usize, [Prepared; PACKETS], Tile<L>)> {
+    let mut at = from;
+    while at < rays.len() {
+        let end = at + run_of_one_origin(&rays[at..]);
+        if end - at >= LEAST_RUN
+            && let Some(prepared) = prepare::<L>(parts, &rays[at..end])
+            && let Some(tile) = Tile::<L>::new(&prepared)
+        {
+            return Some((at, prepared, tile));
+        }
+        at = end;
+    }
+    None
 }
 
 /// How many of the first rays, a tile at the most, have the origin of the first.

@@ -71,6 +71,9 @@ pub(crate) fn stream<L: Eight, Q: Question>(parts: &Parts<'_>, rays: &[Ray], ans
         }
         for Queued { flight, block } in &queue[..queued] {
             let Ready { shear, axes, nearest, .. } = &mut flights[*flight as usize].ready;
+            if Q::ANY && nearest.is_hit() {
+                continue;
+            }
             test_block(&parts.blocks[*block as usize], &Shear::<L>::splat(shear), *axes, nearest);
         }
         if Q::ANY {

@@ -10,7 +10,7 @@ use crate::geometry::{corners, distance_to_triangle, point, winding};
 use crate::scenes::{self, Scene};
 use crate::support::meshes;
 use crate::support::random::Random;
-use crate::support::rays::{Target, hex};
+use crate::support::rays::{self, Target, hex};
 use crate::tally::{Any, Tally, scaled, tally};
 use crate::variants::{OneByOne, Stepping};
 
@@ -51,11 +51,26 @@ pub(crate) fn inside(mesh: &Mesh, root_edge: f64, candidates: u64, seed: u64) ->
     (0..candidates).into_par_iter().filter_map(try_one).collect()
 }
 
+/// A way to aim rays from points inside.
+type Aim = fn(&Mesh, &[Inside], Target, &mut Random) -> Ray;
+
+/// A ray from inside at a vertex or an edge near where the others of its run aim from the same origin.
+fn aimed_together(mesh: &Mesh, inside: &[Inside], target: Target, random: &mut Random) -> Ray {
+    let mut run = random.of_run(rays::RUN);
+    let Inside { origin, primitive } = inside[run.below(inside.len())];
+    let first = if run.below(2) == 0 { primitive } else { run.below(mesh.triangles.len()) };
+    at((first + random.below(6)) % mesh.triangles.len(), mesh, origin, target, random)
+}
+
 /// A ray from inside at a vertex or an edge, half of them through the floats next to the exact direction.
 fn aimed(mesh: &Mesh, inside: &[Inside], target: Target, random: &mut Random) -> Ray {
     let Inside { origin, primitive } = inside[random.below(inside.len())];
     // Half of them graze the surface near the origin.
     let primitive = if random.below(2) == 0 { primitive } else { random.below(mesh.triangles.len()) };
+    at(primitive, mesh, origin, target, random)
+}
+
+fn at(primitive: usize, mesh: &Mesh, origin: [f32; 3], target: Target, random: &mut Random) -> Ray {
     let mut corners = mesh.corners(primitive);
     corners.rotate_left(random.below(3));
     let w = if target == Target::Vertex { 0.0 } else { random.unit() };
@@ -73,8 +88,20 @@ pub(crate) fn misses(
     count: u64,
     seed: u64,
 ) -> Tally {
+    misses_of(aimed, tracers, mesh, inside, target, count, seed)
+}
+
+fn misses_of(
+    aim: Aim,
+    tracers: &[Any<'_>],
+    mesh: &Mesh,
+    inside: &[Inside],
+    target: Target,
+    count: u64,
+    seed: u64,
+) -> Tally {
     tally(count, |indices, tally| {
-        let ray = |index| aimed(mesh, inside, target, &mut Random::new(seed, index));
+        let ray = |index| aim(mesh, inside, target, &mut Random::new(seed, index));
         let rays: Vec<Ray> = indices.clone().map(ray).collect();
         let mut hits = vec![Hit::MISS; rays.len()];
         let mut occluded = vec![false; rays.len()];
@@ -110,6 +137,8 @@ fn check(name: &str, mesh: &Mesh, scene: &Scene, origins: u64, rays: u64, seed: 
             tally.passes(&format!("P1, {name}, {target:?}, {} origins", inside.len()), 1.0);
         };
         check(&[&threads], name, rays, seed);
+        let together = misses_of(aimed_together, &[&threads], mesh, &inside, target, scaled(rays / 5), seed + 2000);
+        together.passes(&format!("P1, {name}, {target:?}, coherent rays"), 1.0);
         // What P2 compares anyway takes a sample.
         check(
             &[&scene.octree, &pluecker, &OneByOne(&threads)],
