@@ -76,7 +76,7 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
     let coherent = |random: &mut Random| rays::coherent(mesh, centre, size, random);
     let name = format!("{name}, coherent rays");
     differences(&[&batches, &portable], &scene.brute_force, &coherent, scaled(count / 5), seed + 500)
-        .passes(&name, 0.2);
+        .passes(&name, 0.1);
 }
 
 #[test]
