@@ -1,5 +1,7 @@
 //! A batch of rays, each traced in the way that suits it: runs with one origin as tiles, the others as a stream.
 
+use core::ops::Range;
+
 use leafwalk_core::{Parts, Ray};
 
 use crate::lanes::{Eight, Kernel};
@@ -34,26 +36,29 @@ impl<Q: Question> Kernel for Batch<'_, Q> {
         let mut from = 0;
         while from < rays.len() {
             let tile = next_tile::<L>(parts, rays, from);
-            let at = tile.as_ref().map_or(rays.len(), |(at, ..)| *at);
+            let at = tile.as_ref().map_or(rays.len(), |(run, ..)| run.start);
             stream::<L, Q>(parts, &rays[from..at], &mut answers[from..at]);
-            let Some((at, prepared, mut tile)) = tile else { return };
+            let Some((run, prepared, mut tile)) = tile else { return };
             if Q::ANY {
                 tile.trace::<true>(parts, &mut trail);
             } else {
                 tile.trace::<false>(parts, &mut trail);
             }
-            let run = run_of_one_origin(&rays[at..]);
-            for (ray, answer) in answers[at..at + run].iter_mut().enumerate() {
+            from = run.end;
+            for (ray, answer) in answers[run].iter_mut().enumerate() {
                 *answer = Q::answer(&prepared[ray / 8].clocks[ray % 8], &tile.nearest[ray]);
             }
-            from = at + run;
         }
     }
 }
 
-/// The first run of rays that makes a tile: where it starts, its rays and the tile.
+/// The first run of rays that makes a tile: where it is, its rays and the tile.
 #[inline(always)]
-fn next_tile<L: Eight>(parts: &Parts<'_>, rays: &[Ray], from: usize) -> Option<(usize, [Prepared; PACKETS], Tile<L>)> {
+fn next_tile<L: Eight>(
+    parts: &Parts<'_>,
+    rays: &[Ray],
+    from: usize,
+) -> Option<(Range<usize>, [Prepared; PACKETS], Tile<L>)> {
     let mut at = from;
     while at < rays.len() {
         let end = at + run_of_one_origin(&rays[at..]);
@@ -61,7 +66,7 @@ fn next_tile<L: Eight>(parts: &Parts<'_>, rays: &[Ray], from: usize) -> Option<(
             && let Some(prepared) = prepare::<L>(parts, &rays[at..end])
             && let Some(tile) = Tile::<L>::new(&prepared)
         {
-            return Some((at, prepared, tile));
+            return Some((at..end, prepared, tile));
         }
         at = end;
     }

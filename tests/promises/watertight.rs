@@ -52,7 +52,7 @@ pub(crate) fn inside(mesh: &Mesh, root_edge: f64, candidates: u64, seed: u64) ->
 }
 
 /// A way to aim rays from points inside.
-type Aim = fn(&Mesh, &[Inside], Target, &mut Random) -> Ray;
+pub(crate) type Aim = fn(&Mesh, &[Inside], Target, &mut Random) -> Ray;
 
 /// A ray from inside at a vertex or an edge near where the others of its run aim from the same origin.
 fn aimed_together(mesh: &Mesh, inside: &[Inside], target: Target, random: &mut Random) -> Ray {
@@ -63,7 +63,7 @@ fn aimed_together(mesh: &Mesh, inside: &[Inside], target: Target, random: &mut R
 }
 
 /// A ray from inside at a vertex or an edge, half of them through the floats next to the exact direction.
-fn aimed(mesh: &Mesh, inside: &[Inside], target: Target, random: &mut Random) -> Ray {
+pub(crate) fn aimed(mesh: &Mesh, inside: &[Inside], target: Target, random: &mut Random) -> Ray {
     let Inside { origin, primitive } = inside[random.below(inside.len())];
     // Half of them graze the surface near the origin.
     let primitive = if random.below(2) == 0 { primitive } else { random.below(mesh.triangles.len()) };
@@ -81,17 +81,6 @@ fn at(primitive: usize, mesh: &Mesh, origin: [f32; 3], target: Target, random: &
 
 /// The rays from inside that a tracer lets through.
 pub(crate) fn misses(
-    tracers: &[Any<'_>],
-    mesh: &Mesh,
-    inside: &[Inside],
-    target: Target,
-    count: u64,
-    seed: u64,
-) -> Tally {
-    misses_of(aimed, tracers, mesh, inside, target, count, seed)
-}
-
-fn misses_of(
     aim: Aim,
     tracers: &[Any<'_>],
     mesh: &Mesh,
@@ -133,11 +122,11 @@ fn check(name: &str, mesh: &Mesh, scene: &Scene, origins: u64, rays: u64, seed: 
     let pluecker = Stepping::<Pluecker, Standard>::new(&parts);
     for target in [Target::Edge, Target::Vertex] {
         let check = |tracers: &[Any<'_>], name: &str, rays: u64, seed: u64| {
-            let tally = misses(tracers, mesh, &inside, target, scaled(rays), seed);
+            let tally = misses(aimed, tracers, mesh, &inside, target, scaled(rays), seed);
             tally.passes(&format!("P1, {name}, {target:?}, {} origins", inside.len()), 1.0);
         };
         check(&[&threads], name, rays, seed);
-        let together = misses_of(aimed_together, &[&threads], mesh, &inside, target, scaled(rays / 5), seed + 2000);
+        let together = misses(aimed_together, &[&threads], mesh, &inside, target, scaled(rays / 5), seed + 2000);
         together.passes(&format!("P1, {name}, {target:?}, coherent rays"), 1.0);
         // What P2 compares anyway takes a sample.
         check(

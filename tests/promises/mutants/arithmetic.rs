@@ -10,7 +10,7 @@ use crate::support::meshes;
 use crate::support::rays::Target;
 use crate::tally::Tally;
 use crate::variants::{Every, Visited};
-use crate::watertight::{inside, misses};
+use crate::watertight::{aimed, inside, misses};
 
 const RAYS: u64 = 20_000;
 
@@ -18,7 +18,7 @@ const RAYS: u64 = 20_000;
 fn leaks<A: Arithmetic>(mesh: &Mesh, target: Target) -> Tally {
     let scene = Scene::new(mesh);
     let inside = inside(mesh, scene.octree.parts().frame.scale(), 256, 51);
-    misses(&[&Every::<Number<A>>::of(&scene.octree)], mesh, &inside, target, RAYS, 51)
+    misses(aimed, &[&Every::<Number<A>>::of(&scene.octree)], mesh, &inside, target, RAYS, 51)
 }
 
 /// P2, the arithmetic being the same on both sides.

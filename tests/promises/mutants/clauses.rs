@@ -11,7 +11,7 @@ use crate::support::rays::{Target, extent, point_on};
 use crate::support::{meshes, rays};
 use crate::tally::{Tally, scaled};
 use crate::variants::{Every, OneByOne, Stepping};
-use crate::watertight::{inside, misses};
+use crate::watertight::{aimed, inside, misses};
 
 const RAYS: u64 = 20_000;
 
@@ -68,7 +68,7 @@ fn collinear_triangles_dropped() {
     let check = |spoiled| {
         let octree = Builder::new().spoil(spoiled).build(&mesh).expect("a mesh that builds");
         let inside = inside(&mesh, octree.parts().frame.scale(), 256, 63);
-        misses(&[&octree, &CpuTracer::new(octree.view())], &mesh, &inside, Target::Edge, RAYS, 63)
+        misses(aimed, &[&octree, &CpuTracer::new(octree.view())], &mesh, &inside, Target::Edge, RAYS, 63)
     };
     check(Spoiled::Nothing).passes("collinear triangles kept, P1", 1.0);
     check(Spoiled::CollinearTriangles).catches("collinear triangles dropped");
