@@ -14,7 +14,7 @@ use leafwalk::{Mesh, Ray};
 use nalgebra::{Point3, Vector3};
 use obvhs::rt_triangle::RtTriangle;
 
-use crate::{Answer, Family, OneByOne, Prepared, Rival, timed, triangle};
+use super::{Answer, Family, OneByOne, Prepared, Rival, timed, triangle};
 
 struct Shape {
     bounds: Aabb<f32, 3>,
@@ -56,14 +56,14 @@ fn form(ray: &Ray) -> Form {
 }
 
 /// The crate's only structure.
-pub struct Plain {
+pub(crate) struct Plain {
     bvh: Bvh<f32, 3>,
     shapes: Vec<Shape>,
 }
 
 impl Plain {
     /// Builds it; with the time that took.
-    pub fn new(mesh: &Mesh) -> (Self, Duration) {
+    pub(crate) fn new(mesh: &Mesh) -> (Self, Duration) {
         let shape = |(primitive, triangle): (u32, &obvhs::triangle::Triangle)| {
             let corners = [triangle.v0, triangle.v1, triangle.v2].map(|corner| Point3::from(corner.to_array()));
             let bounds = corners.iter().fold(Aabb::empty(), |bounds, corner| bounds.grow(corner));

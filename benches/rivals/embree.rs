@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use leafwalk::{Mesh, Ray};
 
-use crate::{Answer, Family, Prepared, Rival};
+use super::{Answer, Family, Prepared, Rival};
 
 mod binding;
 mod packet;
@@ -21,10 +21,10 @@ use packet::Packet;
 use scene::{Device, Scene};
 
 /// One ray a call.
-pub const SINGLE: &str = "embree single";
+pub(crate) const SINGLE: &str = "embree single";
 
 /// All ways to call Embree on this machine, by default and ROBUST.
-pub fn all(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
+pub(crate) fn all(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
     let mut ways = vec![
         ([SINGLE, "embree ROBUST single"], Calls::Single, INCOHERENT),
         (["embree stream", "embree ROBUST stream"], Calls::Stream, INCOHERENT),
@@ -43,7 +43,7 @@ pub fn all(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
 }
 
 /// The version of the library that is linked, such as 31305.
-pub fn version() -> isize {
+pub(crate) fn version() -> isize {
     Device::new().property(VERSION)
 }
 

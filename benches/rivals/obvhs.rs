@@ -11,7 +11,7 @@ use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::RayHit;
 use obvhs::rt_triangle::RtTriangle;
 
-use crate::{Answer, Family, OneByOne, Prepared, Rival, timed, triangle};
+use super::{Answer, Family, OneByOne, Prepared, Rival, timed, triangle};
 
 fn form(ray: &Ray) -> obvhs::ray::Ray {
     obvhs::ray::Ray::new(ray.origin.into(), ray.direction.into(), ray.t_min, ray.t_max)
@@ -25,7 +25,7 @@ fn in_order(triangles: &[obvhs::triangle::Triangle], order: &[u32]) -> Vec<RtTri
 macro_rules! rival {
     ($(#[$about:meta])* $rival:ident, $name:literal, $bvh:ty, $build:ident) => {
         $(#[$about])*
-        pub struct $rival {
+        pub(crate) struct $rival {
             bvh: $bvh,
             /// In traversal order.
             triangles: Vec<RtTriangle>,
@@ -33,7 +33,7 @@ macro_rules! rival {
 
         impl $rival {
             /// Builds it; with the time that took.
-            pub fn new(mesh: &Mesh) -> (Self, Duration) {
+            pub(crate) fn new(mesh: &Mesh) -> (Self, Duration) {
                 let triangles = triangle::all(mesh);
                 timed(|| {
                     let bvh = $build(&triangles, BvhBuildParams::slow_build(), &mut Duration::default());

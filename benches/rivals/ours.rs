@@ -6,15 +6,15 @@ use std::hash::DefaultHasher;
 
 use leafwalk::{Builder, CpuTracer, Hit, LengthMismatch, Mesh, Octree, Ray, Tracer, hit_hash};
 
-use crate::{Answer, Family, Prepared, Rival, timed};
+use super::{Answer, Family, Prepared, Rival, timed};
 
 /// What a user gets who asks for nothing special.
-pub const DEFAULT: &str = "leafwalk";
+pub(crate) const DEFAULT: &str = "leafwalk";
 /// One ray a call.
-pub const SINGLE: &str = "leafwalk single";
+pub(crate) const SINGLE: &str = "leafwalk single";
 
 /// All tracers of ours, over an octree. A further one takes a line here.
-pub fn all(octree: &Octree<Vec<u32>>) -> Vec<Box<dyn Rival + '_>> {
+pub(crate) fn all(octree: &Octree<Vec<u32>>) -> Vec<Box<dyn Rival + '_>> {
     let view = octree.view();
     vec![
         ours(DEFAULT, octree, CpuTracer::new(view.clone())),

@@ -6,14 +6,14 @@ use leafwalk::{Mesh, Ray};
 use parry3d::math::Vector;
 use parry3d::shape::{CompositeShapeRef, TriMesh};
 
-use crate::{Answer, Family, OneByOne, Prepared, Rival, timed};
+use super::{Answer, Family, OneByOne, Prepared, Rival, timed};
 
 /// The BVH of a triangle mesh.
-pub struct Parry(TriMesh);
+pub(crate) struct Parry(TriMesh);
 
 impl Parry {
     /// Builds it; with the time that took.
-    pub fn new(mesh: &Mesh) -> (Self, Duration) {
+    pub(crate) fn new(mesh: &Mesh) -> (Self, Duration) {
         let vertices = mesh.positions.iter().map(|p| Vector::from_array(*p)).collect();
         let triangles = mesh.triangles.clone();
         timed(|| Self(TriMesh::new(vertices, triangles).expect("a mesh with triangles")))

@@ -12,7 +12,7 @@ use leafwalk::{Mesh, Ray};
 // Only for the library inside.
 use tinybvh_rs as _;
 
-use crate::{Answer, Family, OneByOne, Prepared, Rival, timed};
+use super::{Answer, Family, OneByOne, Prepared, Rival, timed};
 
 #[cfg(not(all(target_arch = "x86_64", unix)))]
 compile_error!("the feature `tinybvh` is for x86-64 on Unix: leave it out");
@@ -125,7 +125,7 @@ impl Drop for Library {
 }
 
 /// The tracer.
-pub struct Bvh8 {
+pub(crate) struct Bvh8 {
     library: Library,
     bytes: usize,
     /// The library looks at them again whenever it likes.
@@ -134,7 +134,7 @@ pub struct Bvh8 {
 
 impl Bvh8 {
     /// Builds it, with the time that took; `None` on a CPU that it does not run on.
-    pub fn new(mesh: &Mesh) -> Option<(Self, Duration)> {
+    pub(crate) fn new(mesh: &Mesh) -> Option<(Self, Duration)> {
         if !(is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")) {
             return None;
         }

@@ -1,6 +1,6 @@
 //! The bars that issue 3 sets, and where we stand.
 
-use leafwalk_benches::{Family, ours};
+use crate::rivals::{Family, ours};
 
 use crate::earlier::Earlier;
 use crate::report::{Measure, Report, Row};
@@ -65,7 +65,7 @@ fn bars(scene: &str, letter: &str, rows: &[&Row]) -> Vec<Bar> {
     let mut bars: Vec<Bar> =
         embree.map(|embree| Bar::new("Embree's best", ours, embree, bar, aim)).into_iter().collect();
     #[cfg(feature = "embree")]
-    if let (Some(single), Some(embree)) = (named(rows, ours::SINGLE), named(rows, leafwalk_benches::embree::SINGLE)) {
+    if let (Some(single), Some(embree)) = (named(rows, ours::SINGLE), named(rows, crate::rivals::embree::SINGLE)) {
         bars.push(Bar::new("one ray a call", single, embree, 0.7, 1.0));
     }
     for (about, family) in [("obvhs", Family::Obvhs), ("parry3d", Family::Parry), ("tinybvh", Family::TinyBvh)] {

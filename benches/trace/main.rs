@@ -4,13 +4,14 @@
 //! `cargo bench --bench trace [--features embree,tinybvh] [-- SCENE ...]`; LEAFWALK_SCENES names the folder of real
 //! scenes, without it the default is made in code. The table is also written as CSV, to target/bench/trace.csv or where
 //! LEAFWALK_BENCH_CSV says.
-#![forbid(unsafe_code)]
 
 mod bars;
 mod builds;
 mod earlier;
 mod race;
 mod report;
+#[path = "../rivals/mod.rs"]
+mod rivals;
 #[path = "../support.rs"]
 mod support;
 mod truth;
@@ -20,8 +21,9 @@ use std::path::PathBuf;
 use clap::Parser;
 use earlier::Earlier;
 use leafwalk::{Builder, Mesh};
-use leafwalk_benches::{Rival, bvh, obvhs, ours, parry};
+
 use report::{Measure, Report, Row};
+use rivals::{Rival, bvh, obvhs, ours, parry};
 use support::workloads;
 use truth::Truth;
 
@@ -72,7 +74,7 @@ fn main() {
     println!("{} rounds on one thread, by CPU time; {cores} cores; built {build}", arguments.rounds);
     println!("ours / it above 1: ours is faster");
     #[cfg(feature = "embree")]
-    println!("Embree {}", leafwalk_benches::embree::version());
+    println!("Embree {}", crate::rivals::embree::version());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
     pool.install(|| {
         for (name, mesh, inside) in scenes(&arguments.scenes) {
@@ -174,9 +176,9 @@ fn rivals(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
         Box::new(bvh::Plain::new(mesh).0),
     ];
     #[cfg(feature = "embree")]
-    rivals.extend(leafwalk_benches::embree::all(mesh));
+    rivals.extend(crate::rivals::embree::all(mesh));
     #[cfg(feature = "tinybvh")]
-    match leafwalk_benches::tinybvh::Bvh8::new(mesh) {
+    match crate::rivals::tinybvh::Bvh8::new(mesh) {
         Some((bvh, _)) => rivals.push(Box::new(bvh)),
         None => println!("skipped: tinybvh: this CPU has no AVX2 and FMA"),
     }

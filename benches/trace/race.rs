@@ -1,6 +1,6 @@
 //! Tracers on the same rays, in turns.
 
-use leafwalk_benches::{Answer, Family, Prepared, Rival, timed};
+use crate::rivals::{Answer, Family, Prepared, Rival, timed};
 
 use crate::truth::Truth;
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use leafwalk_benches::Family;
+use crate::rivals::Family;
 
 /// The columns of the CSV, before those for the ratios of ours to the row's tracer.
 pub(crate) const COLUMNS: [&str; 13] = [

@@ -5,9 +5,9 @@
 
 use std::collections::HashMap;
 
+use crate::rivals::Answer;
 use glam::DVec3;
 use leafwalk::{Mesh, Octree, Parts, Ray};
-use leafwalk_benches::Answer;
 use leafwalk_core::Walk;
 use leafwalk_core::layout::ROUNDOFF;
 

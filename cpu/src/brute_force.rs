@@ -2,7 +2,7 @@
 
 use leafwalk_core::layout::NONE;
 use leafwalk_core::triangle::{Shear, intersect};
-use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Ray, Tracer, one_by_one};
+use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Ray, Tracer, one_by_one, per_axis};
 
 use crate::build::{BuildError, normalise};
 use crate::mesh::Mesh;
@@ -56,7 +56,7 @@ impl BruteForce {
     fn hits<'a>(&'a self, ray: &'a CanonicalRay) -> impl Iterator<Item = (u32, f32, f32, f32)> + 'a {
         let (shear, axes) = Shear::<f32>::new(ray);
         self.triangles.iter().filter_map(move |(primitive, corners)| {
-            let (accepted, found) = intersect(&shear, corners.map(|corner| axes.map(|axis| corner[axis])));
+            let (accepted, found) = intersect(&shear, per_axis!(c => per_axis!(k => corners[c][axes[k]])));
             (accepted && found.t > ray.t_min).then_some((*primitive, found.t, found.u, found.v))
         })
     }

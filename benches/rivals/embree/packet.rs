@@ -4,8 +4,8 @@ use core::ffi::c_int;
 
 use leafwalk::Ray;
 
+use super::super::Answer;
 use super::binding::*;
-use crate::Answer;
 
 impl<A, const N: usize> Rays<A, N> {
     /// Up to N rays; the mask of the call switches the lanes off that are left over.

@@ -7,8 +7,8 @@ use core::time::Duration;
 
 use leafwalk::Mesh;
 
+use super::super::timed;
 use super::binding::*;
-use crate::timed;
 
 pub(super) struct Device {
     handle: Handle,

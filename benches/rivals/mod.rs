@@ -2,7 +2,6 @@
 //!
 //! Rays are put into a tracer's own form, and its answers into ours, outside of what is timed. Timed is that a tracer
 //! reads the rays as its user would hold them, and writes the answers as it gives them.
-#![deny(unsafe_code)]
 
 use core::time::Duration;
 use std::time::Instant;
@@ -10,40 +9,41 @@ use std::time::Instant;
 use cpu_time::ProcessTime;
 use leafwalk::{Mesh, Ray};
 
-pub mod bvh;
+pub(crate) mod bvh;
 #[cfg(feature = "embree")]
 #[allow(unsafe_code, reason = "a binding to C")]
-pub mod embree;
-pub mod obvhs;
-pub mod ours;
-pub mod parry;
+pub(crate) mod embree;
+pub(crate) mod obvhs;
+pub(crate) mod ours;
+pub(crate) mod parry;
 #[cfg(feature = "tinybvh")]
 #[allow(unsafe_code, reason = "a binding to C++")]
-pub mod tinybvh;
+pub(crate) mod tinybvh;
 mod triangle;
 
 /// The closest hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Answer {
+pub(crate) struct Answer {
     /// In multiples of the ray's direction; infinity for a miss.
-    pub t: f32,
+    pub(crate) t: f32,
     /// The triangle; any number for a miss.
-    pub primitive: u32,
+    pub(crate) primitive: u32,
 }
 
 impl Answer {
     /// Nothing was hit.
-    pub const MISS: Self = Self { t: f32::INFINITY, primitive: u32::MAX };
+    pub(crate) const MISS: Self = Self { t: f32::INFINITY, primitive: u32::MAX };
 }
 
 /// Whose tracer it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Family {
+pub(crate) enum Family {
     /// Ours, whatever its name.
     Ours,
     /// Embree by its default settings.
     Embree,
     /// Embree with its flag ROBUST.
+    #[cfg(feature = "embree")]
     EmbreeRobust,
     /// The crate obvhs.
     Obvhs,
@@ -56,7 +56,7 @@ pub enum Family {
 }
 
 /// A tracer under measurement.
-pub trait Rival {
+pub(crate) trait Rival {
     /// As tables print it.
     fn name(&self) -> &str;
     /// Whose it is.
@@ -72,7 +72,7 @@ pub trait Rival {
 }
 
 /// Rays in a tracer's own form, and room for their answers.
-pub trait Prepared<A> {
+pub(crate) trait Prepared<A> {
     /// Undoes what tracing did to the rays. Not timed.
     fn reset(&mut self) {}
     /// Traces all rays: this is timed.
@@ -112,14 +112,14 @@ impl<R, H, A, T: Fn(&R) -> H, C: Fn(&R, &H) -> A> Prepared<A> for OneByOne<R, H,
 
 /// Runs something and says how much time all threads of this process spent on it together. Others who use the same
 /// cores hardly disturb it.
-pub fn timed<T>(run: impl FnOnce() -> T) -> (T, Duration) {
+pub(crate) fn timed<T>(run: impl FnOnce() -> T) -> (T, Duration) {
     let start = ProcessTime::now();
     let result = run();
     (result, start.elapsed())
 }
 
 /// Runs something and says how long it took by the clock on the wall.
-pub fn timed_by_wall<T>(run: impl FnOnce() -> T) -> (T, Duration) {
+pub(crate) fn timed_by_wall<T>(run: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     let result = run();
     (result, start.elapsed())
