@@ -94,6 +94,11 @@ pub enum DecodeError {
         /// Payload number.
         payload: u32,
     },
+    /// A branch leads to what is not there or out of turn, or a child's box is not that of its own children.
+    BadBranch {
+        /// Number of the branch.
+        branch: u32,
+    },
     /// A block holds a coordinate outside the root or a primitive out of range.
     BadBlock {
         /// Block number.
@@ -172,6 +177,7 @@ impl fmt::Display for DecodeError {
             Self::BadLink { record, face } => {
                 write!(f, "record {record} is not linked to the leaf across its face {face}")
             }
+            Self::BadBranch { branch } => write!(f, "branch {branch} is inconsistent"),
             Self::BadPayload { payload } => write!(f, "payload {payload} is inconsistent"),
             Self::BadBlock { block, lane } => {
                 write!(f, "block {block}, lane {lane}: coordinate or primitive out of range")

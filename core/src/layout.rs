@@ -53,6 +53,14 @@ pub const RECORD_WORDS: usize = 8;
 pub const KEY_WORDS: usize = 2;
 /// Words a payload.
 pub const PAYLOAD_WORDS: usize = 32;
+/// Children a branch.
+pub const BRANCH_WIDTH: usize = 8;
+/// Words a branch.
+pub const BRANCH_WORDS: usize = 32;
+/// Branches between the first and a block, both ends included, at most: it bounds what a descent must remember.
+///
+/// Nine levels of eight hold all blocks that a file may have; the others are room for scenes that ask for uneven trees.
+pub const MAX_DEPTH: usize = 24;
 /// Words a block.
 pub const BLOCK_WORDS: usize = 80;
 /// Sections start at multiples of this many words: one cache line.
@@ -212,45 +220,30 @@ pub fn hull(boxes: impl IntoIterator<Item = LatticeBox>) -> LatticeBox {
     })
 }
 
-/// What a node lists, 128 bytes: a leaf's blocks of triangles, or those of an inner node's children that list something.
+/// What a leaf lists, 128 bytes: up to eight blocks of triangles, and where the list goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Payload {
-    /// Lower and upper sides of the boxes of the blocks, or of the children by octant, axis by axis. Boxes that are not in
-    /// use are [`ABSENT`].
+    /// Lower and upper sides of the boxes of the blocks, axis by axis. Boxes that are not in use are [`ABSENT`].
     pub sides: [[[u16; PAYLOAD_BLOCKS]; 2]; 3],
     /// Lower side of the box around all that is listed, of the whole chain.
     pub lower: [u16; 3],
     /// Upper side of that box.
     pub upper: [u16; 3],
-    /// Blocks in this payload, or children that list something: 1 to 8.
-    pub count: u16,
-    /// Bit i: the child in octant i lists something. 0 for a leaf.
-    pub children: u16,
-    /// Number of the first block, or of the first child's payload; the others follow it, children by octant.
+    /// Blocks in this payload: 1 to 8.
+    pub count: u32,
+    /// Number of the first block; the others follow it.
     pub first: u32,
-    /// The payload that continues a leaf's list, or [`NONE`].
+    /// The payload that continues the list, or [`NONE`].
     pub next: u32,
     /// Zero.
     pub unused: [u32; 2],
 }
 
 impl Payload {
-    /// The payload of a child that lists something.
-    #[inline]
-    pub fn child(&self, octant: u32) -> u32 {
-        self.first + (u32::from(self.children) & ((1 << octant) - 1)).count_ones()
-    }
-
-    /// The box of a block, or of the child in an octant.
+    /// The box of a block.
     pub fn boxed(&self, at: usize) -> LatticeBox {
         (self.sides.map(|[lower, _]| lower[at]), self.sides.map(|[_, upper]| upper[at]))
-    }
-
-    /// Per axis, the sides of all boxes that a ray of octant `neg` meets first, or last with `neg` inverted.
-    #[inline(always)]
-    pub fn facing(&self, neg: u32) -> [&[u16; PAYLOAD_BLOCKS]; 3] {
-        per_axis!(k => &self.sides[k][(neg >> k & 1) as usize])
     }
 
     /// The box around all that is listed.
@@ -265,12 +258,97 @@ impl Payload {
             sides: core::array::from_fn(|k| [boxes.map(|b| b.0[k]), boxes.map(|b| b.1[k])]),
             lower,
             upper,
-            count: boxes.iter().filter(|b| **b != ABSENT).count() as u16,
-            children: 0,
+            count: boxes.iter().filter(|b| **b != ABSENT).count() as u32,
             first: 0,
             next: NONE,
             unused: [0; 2],
         }
+    }
+}
+
+/// Where a child of a branch leads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Child {
+    /// To a branch, by its number.
+    Branch(u32),
+    /// To a block, by its number.
+    Block(u32),
+    /// Nowhere.
+    Vacant,
+}
+
+impl Child {
+    /// Set in the words of blocks.
+    const BLOCK: u32 = 1 << 31;
+    /// Numbers that fit beside the flag.
+    pub const NUMBERS: u32 = Self::BLOCK - 1;
+
+    /// Its word in a branch. Numbers are below [`Child::NUMBERS`].
+    #[inline]
+    pub fn to_word(self) -> u32 {
+        match self {
+            Self::Branch(number) => number,
+            Self::Block(number) => number | Self::BLOCK,
+            Self::Vacant => NONE,
+        }
+    }
+
+    /// Reads what [`Child::to_word`] wrote.
+    #[inline(always)]
+    pub fn from_word(word: u32) -> Self {
+        match word {
+            NONE => Self::Vacant,
+            _ if word & Self::BLOCK != 0 => Self::Block(word & Self::NUMBERS),
+            _ => Self::Branch(word),
+        }
+    }
+}
+
+/// Where a vacant child's box lies: in a corner of the root that few rays meet. Those that do find no block there.
+pub const CORNER: LatticeBox = ([u16::MAX; 3], [u16::MAX; 3]);
+
+/// Up to eight boxes with what they hold, 128 bytes: a node of the bounding volume hierarchy over all blocks.
+///
+/// It serves who has no use for neighbours: rays that descend from the first branch, alone or many together. Children
+/// stand in slots such that a ray of octant `neg` meets those of low slot XOR `neg` first, as far as there is such an order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Branch {
+    /// Lower and upper sides of the children's boxes, axis by axis.
+    pub sides: [[[u16; BRANCH_WIDTH]; 2]; 3],
+    /// See [`Child`].
+    pub children: [u32; BRANCH_WIDTH],
+}
+
+impl Branch {
+    /// With nothing in it.
+    pub const VACANT: Self = Self { sides: [[[u16::MAX; BRANCH_WIDTH]; 2]; 3], children: [NONE; BRANCH_WIDTH] };
+
+    /// The child in a slot, and its box.
+    #[inline]
+    pub fn child(&self, slot: usize) -> (LatticeBox, Child) {
+        let boxed = (self.sides.map(|[lower, _]| lower[slot]), self.sides.map(|[_, upper]| upper[slot]));
+        (boxed, Child::from_word(self.children[slot]))
+    }
+
+    /// Puts a child in a slot.
+    pub fn put(&mut self, slot: usize, boxed: LatticeBox, child: Child) {
+        for k in 0..3 {
+            (self.sides[k][0][slot], self.sides[k][1][slot]) = (boxed.0[k], boxed.1[k]);
+        }
+        self.children[slot] = child.to_word();
+    }
+
+    /// The box around all children.
+    pub fn hull(&self) -> LatticeBox {
+        let children = (0..BRANCH_WIDTH).map(|slot| self.child(slot));
+        hull(children.filter(|(_, child)| *child != Child::Vacant).map(|(boxed, _)| boxed))
+    }
+
+    /// Per axis, the sides of all boxes that a ray of octant `neg` meets first, or last with `neg` inverted.
+    #[inline(always)]
+    pub fn facing(&self, neg: u32) -> [&[u16; BRANCH_WIDTH]; 3] {
+        per_axis!(k => &self.sides[k][(neg >> k & 1) as usize])
     }
 }
 

@@ -9,6 +9,7 @@
 
 mod axes;
 pub mod boxes;
+pub mod canonical;
 mod error;
 mod frame;
 pub mod lanes;

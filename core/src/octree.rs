@@ -2,7 +2,7 @@
 
 use crate::error::DecodeError;
 use crate::frame::Frame;
-use crate::layout::{Block, Key, MAX_LEVEL, Payload, Record};
+use crate::layout::{Block, Branch, Key, MAX_LEVEL, Payload, Record};
 use crate::policy::{Policy, Standard};
 use crate::wire::{Header, Section, Spans};
 use crate::{validate, wire};
@@ -63,6 +63,29 @@ impl<W: AsRef<[u32]>> Octree<W> {
         Parts::new(self.words.as_ref(), &self.spans).unwrap_or(Parts::EMPTY)
     }
 
+    /// The lattice frame.
+    #[inline]
+    pub fn frame(&self) -> Frame {
+        self.section::<Header>(Section::Header).first().map_or(Parts::EMPTY.frame, Header::frame)
+    }
+
+    /// The hierarchy over the blocks; empty where no triangle is listed.
+    #[inline]
+    pub fn branches(&self) -> &[Branch] {
+        self.section(Section::Branches)
+    }
+
+    /// The triangles, eight by eight.
+    #[inline]
+    pub fn blocks(&self) -> &[Block] {
+        self.section(Section::Blocks)
+    }
+
+    #[inline]
+    fn section<T: bytemuck::Pod>(&self, section: Section) -> &[T] {
+        slice(self.words.as_ref(), &self.spans, section).unwrap_or(&[])
+    }
+
     /// Offset and length in words of a section.
     pub fn span(&self, section: Section) -> (u32, u32) {
         self.spans[section as usize]
@@ -109,6 +132,8 @@ pub struct Parts<'a> {
     pub payloads: &'a [Payload],
     /// The triangles.
     pub blocks: &'a [Block],
+    /// The hierarchy over the blocks.
+    pub branches: &'a [Branch],
     /// Record numbers of the entry grid, x fastest.
     pub grid: &'a [u32],
     /// One material id a triangle, or empty.
@@ -135,6 +160,7 @@ impl<'a> Parts<'a> {
         keys: &[],
         payloads: &[],
         blocks: &[],
+        branches: &[],
         grid: &[],
         materials: &[],
     };
@@ -149,6 +175,7 @@ impl<'a> Parts<'a> {
             keys: slice(words, spans, Section::Keys)?,
             payloads: slice(words, spans, Section::Payloads)?,
             blocks: slice(words, spans, Section::Blocks)?,
+            branches: slice(words, spans, Section::Branches)?,
             grid: slice(words, spans, Section::Grid)?,
             materials: slice(words, spans, Section::Materials)?,
         })
@@ -192,13 +219,13 @@ impl<'a> Parts<'a> {
     }
 
     fn bounds(&self) -> Aabb {
-        let Some(root) = self.payloads.first() else {
+        let Some((lower, upper)) = self.branches.first().map(Branch::hull) else {
             return Aabb { lower: [f64::INFINITY; 3], upper: [f64::NEG_INFINITY; 3] };
         };
         let at = |steps: [u16; 3], end: f32| {
             self.frame.to_caller(steps.map(|step| (f32::from(step) + end) * crate::layout::LATTICE_STEP))
         };
-        Aabb { lower: at(root.lower, 0.0), upper: at(root.upper, 1.0) }
+        Aabb { lower: at(lower, 0.0), upper: at(upper, 1.0) }
     }
 
     fn stats(&self) -> Stats {
@@ -255,6 +282,7 @@ pub struct Stats {
     pub leaves_by_blocks: [u32; LEAF_SIZES],
 }
 
+#[inline]
 fn slice<'a, T: bytemuck::Pod>(words: &'a [u32], spans: &Spans, section: Section) -> Result<&'a [T], DecodeError> {
     let (offset, length) = spans[section as usize];
     let words = &words[offset as usize..][..length as usize];

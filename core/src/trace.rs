@@ -105,7 +105,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
             let record = &self.parts.records[number as usize];
             let head = record.head();
             if head.t_count() != 0 {
-                self.leaf::<ANY>(record.offset, &slabs, line.neg, &shear, axes, &mut search);
+                self.leaf::<ANY>(record.offset, &slabs, &shear, axes, &mut search);
                 if (ANY || P::STOPS_AT_FIRST_HIT) && search.nearest.is_hit() {
                     return search;
                 }
@@ -150,18 +150,17 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         &self,
         first: u32,
         slabs: &Slabs<f32>,
-        neg: u32,
         shear: &Shear<f32>,
         axes: [usize; 3],
         search: &mut Search<'_>,
     ) {
         let mut payload = &self.parts.payloads[first as usize];
-        if !search.meets(slabs, neg, payload) {
+        if !search.meets(slabs, payload) {
             return;
         }
         loop {
-            let met = search.blocks_met(slabs, neg, payload);
-            for b in (0..PAYLOAD_BLOCKS as u32).filter(|b| met >> b & 1 == 1) {
+            let met = search.blocks_met(slabs, payload);
+            for b in (0..payload.count).filter(|b| met >> b & 1 == 1) {
                 search.work.blocks += 1;
                 let block = &self.parts.blocks[(payload.first + b) as usize];
                 search.test_block::<ANY, P>(block, shear, axes);
@@ -207,20 +206,19 @@ fn precedes(a: &Cell<f32>, b: &Cell<f32>, neg: u32) -> bool {
 impl Search<'_> {
     /// Whether the ray meets a payload's tight box.
     #[inline(always)]
-    fn meets(&self, slabs: &Slabs<f32>, neg: u32, payload: &Payload) -> bool {
-        let sides = [payload.lower, payload.upper];
-        let facing = |neg: u32| -> [f32; 3] { per_axis!(k => f32::from(sides[(neg >> k & 1) as usize][k])) };
-        let (first, last) = slabs.clip(facing(neg), facing(!neg), self.ray.t_min, self.nearest.t);
+    fn meets(&self, slabs: &Slabs<f32>, payload: &Payload) -> bool {
+        let sides = |sides: &[u16; 3]| -> [f32; 3] { per_axis!(k => f32::from(sides[k])) };
+        let (first, last) = slabs.clip(sides(&payload.lower), sides(&payload.upper), self.ray.t_min, self.nearest.t);
         first <= last
     }
 
-    /// Bit b: block b's box is met. All eight at once, in a loop that compilers turn into SIMD.
+    /// Bit b: block b's box is met; bits from the payload's count on mean nothing. All eight at once, in a loop that compilers turn into SIMD.
     #[inline(always)]
-    fn blocks_met(&self, slabs: &Slabs<f32>, neg: u32, payload: &Payload) -> u32 {
-        let (near, far) = (payload.facing(neg), payload.facing(!neg));
+    fn blocks_met(&self, slabs: &Slabs<f32>, payload: &Payload) -> u32 {
         let is_met: [bool; PAYLOAD_BLOCKS] = core::array::from_fn(|b| {
-            let (near, far) = (per_axis!(k => f32::from(near[k][b])), per_axis!(k => f32::from(far[k][b])));
-            let (first, last) = slabs.clip(near, far, self.ray.t_min, self.nearest.t);
+            let [x, y, z] = &payload.sides;
+            let side = |at: usize| [x[at][b], y[at][b], z[at][b]].map(f32::from);
+            let (first, last) = slabs.clip(side(0), side(1), self.ray.t_min, self.nearest.t);
             first <= last
         });
         (0..).zip(is_met).fold(0, |met, (b, is_met)| met | u32::from(is_met) << b)

@@ -27,11 +27,12 @@ pub enum Section {
     Records,
     /// One [`crate::layout::Key`] a record.
     Keys,
-    /// [`crate::layout::Payload`]s: the root's, then, depth first, those of each inner node's children by octant and of each
-    /// leaf's chain.
+    /// [`crate::layout::Payload`]s, leaf after leaf, depth first.
     Payloads,
     /// [`crate::layout::Block`]s, leaf after leaf, depth first.
     Blocks,
+    /// [`crate::layout::Branch`]es: the first, then, depth first, those that each leads to by slot.
+    Branches,
     /// The entry grid: one record number a grid cell, x fastest.
     Grid,
     /// One material id a triangle; may be empty.
@@ -40,8 +41,16 @@ pub enum Section {
 
 impl Section {
     /// All of them, in file order.
-    pub const ALL: [Self; 7] =
-        [Self::Header, Self::Records, Self::Keys, Self::Payloads, Self::Blocks, Self::Grid, Self::Materials];
+    pub const ALL: [Self; 8] = [
+        Self::Header,
+        Self::Records,
+        Self::Keys,
+        Self::Payloads,
+        Self::Blocks,
+        Self::Branches,
+        Self::Grid,
+        Self::Materials,
+    ];
 
     /// The tag that names it in the file: four ASCII characters.
     pub const fn tag(self) -> u32 {
@@ -51,6 +60,7 @@ impl Section {
             Self::Keys => *b"keys",
             Self::Payloads => *b"payl",
             Self::Blocks => *b"blks",
+            Self::Branches => *b"brch",
             Self::Grid => *b"grid",
             Self::Materials => *b"mats",
         })
@@ -64,6 +74,7 @@ impl Section {
             Self::Keys => "keys",
             Self::Payloads => "payloads",
             Self::Blocks => "blocks",
+            Self::Branches => "branches",
             Self::Grid => "entry grid",
             Self::Materials => "materials",
         }

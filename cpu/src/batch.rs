@@ -1,22 +1,31 @@
-//! A batch of rays, each traced in the way that suits it: runs with one origin as tiles, the others as a stream.
+//! A batch of rays, each traced in the way that suits it: runs that go the same way as tiles, the others one by one or, in
+//! structures that outgrow the caches, several in flight.
 
 use core::ops::Range;
 
-use leafwalk_core::{Parts, Ray};
+use leafwalk_core::Ray;
 
-use crate::lanes::{Eight, Kernel};
-use crate::prepare::Prepared;
+use crate::hierarchy::Hierarchy;
+use crate::lanes::{Eight, Kernel, eight_times};
+use crate::prepare::{PACKETS, Prepared};
 use crate::question::Question;
+use crate::sequence::sequence;
+use crate::stack::Stack;
 use crate::stream::stream;
-use crate::tile::{PACKETS, RAYS, Tile};
-use crate::trail::Trail;
+use crate::tile::{RAYS, Tile};
 
-/// Rays of one origin that are worth a tile; the tile is filled up with copies.
+/// Rays that are worth a tile; it is filled up with copies.
 const LEAST_RUN: usize = 32;
+/// Bytes of branches and blocks that a core's own cache holds: only where they are more it pays to have several rays in
+/// flight (ARCHITECTURE.md, "Choices").
+const LARGE: usize = 1 << 20;
 
 /// A batch of rays to answer.
 pub(crate) struct Batch<'a, Q: Question> {
-    pub(crate) parts: &'a Parts<'a>,
+    pub(crate) hierarchy: &'a Hierarchy<'a>,
+    pub(crate) beam_margin: f32,
+    /// Whatever the size of the hierarchy.
+    pub(crate) is_in_flight: bool,
     pub(crate) rays: &'a [Ray],
     pub(crate) answers: &'a mut [Q::Answer],
 }
@@ -26,79 +35,99 @@ impl<Q: Question> Kernel for Batch<'_, Q> {
 
     #[inline(always)]
     fn run<L: Eight>(self) {
-        let Self { parts, rays, answers } = self;
+        let Self { hierarchy, beam_margin, is_in_flight, rays, answers } = self;
         answers.fill(Q::MISS);
-        if parts.payloads.is_empty() {
+        if hierarchy.branches.is_empty() {
             return;
         }
-        let mut trail = Trail::new();
-        // Rays from here on wait for a stream.
-        let mut from = 0;
+        let is_in_flight = is_in_flight || (L::PREFETCHES && hierarchy.size() > LARGE);
+        let mut stack = Stack::new();
+        // Rays from here on wait until it is known how many are to be traced alone.
+        let (mut from, mut at) = (0, 0);
+        let mut patience = Patience { failures: 0, skipped: 0 };
         while from < rays.len() {
-            let tile = next_tile::<L>(parts, rays, from);
-            let at = tile.as_ref().map_or(rays.len(), |(run, ..)| run.start);
-            stream::<L, Q>(parts, &rays[from..at], &mut answers[from..at]);
-            let Some((run, prepared, mut tile)) = tile else { return };
-            if Q::ANY {
-                tile.trace::<true>(parts, &mut trail);
+            let run = next_run(rays, at);
+            at = run.end;
+            let mut is_traced = false;
+            if !run.is_empty() && patience.tries() {
+                let prepared = prepare::<L>(hierarchy, &rays[run.clone()]);
+                if let Some(mut tile) = Tile::<L>::new(&prepared, beam_margin) {
+                    is_traced = if Q::ANY {
+                        tile.trace::<true>(hierarchy, &mut stack)
+                    } else {
+                        tile.trace::<false>(hierarchy, &mut stack)
+                    };
+                    patience.learns(is_traced);
+                    if is_traced {
+                        for (ray, answer) in answers[run.clone()].iter_mut().enumerate() {
+                            *answer = tile.answer::<Q>(ray);
+                        }
+                    }
+                }
+            }
+            if !is_traced && at < rays.len() {
+                continue;
+            }
+            let alone = from..if is_traced { run.start } else { at };
+            if is_in_flight {
+                stream::<L, Q>(hierarchy, &rays[alone.clone()], &mut answers[alone]);
             } else {
-                tile.trace::<false>(parts, &mut trail);
+                sequence::<L, Q>(hierarchy, &rays[alone.clone()], &mut answers[alone], &mut stack);
             }
-            from = run.end;
-            for (ray, answer) in answers[run].iter_mut().enumerate() {
-                *answer = Q::answer(&prepared[ray / 8].clocks[ray % 8], &tile.nearest[ray]);
-            }
+            from = at;
         }
     }
 }
 
-/// The first run of rays that makes a tile: where it is, its rays and the tile.
+/// How often to try tiles where they failed.
+struct Patience {
+    /// In a row.
+    failures: u32,
+    /// Runs not tried since.
+    skipped: u32,
+}
+
+impl Patience {
+    /// Whether the next run is worth a try: fewer and fewer are.
+    #[inline(always)]
+    fn tries(&mut self) -> bool {
+        self.skipped += 1;
+        self.skipped >> (2 * self.failures).min(16) > 0
+    }
+
+    #[inline(always)]
+    fn learns(&mut self, is_traced: bool) {
+        self.failures = if is_traced { 0 } else { self.failures + 1 };
+        self.skipped = 0;
+    }
+}
+
+/// The next rays, a tile at the most, that are worth one as far as their octants tell; where there are none, the end.
 #[inline(always)]
-fn next_tile<L: Eight>(
-    parts: &Parts<'_>,
-    rays: &[Ray],
-    from: usize,
-) -> Option<(Range<usize>, [Prepared; PACKETS], Tile<L>)> {
-    let mut at = from;
+fn next_run(rays: &[Ray], mut at: usize) -> Range<usize> {
     while at < rays.len() {
-        let end = at + run_of_one_origin(&rays[at..]);
-        if end - at >= LEAST_RUN
-            && let Some(prepared) = prepare::<L>(parts, &rays[at..end])
-            && let Some(tile) = Tile::<L>::new(&prepared)
-        {
-            return Some((at..end, prepared, tile));
+        let octant = octant(&rays[at]);
+        let is_like = |ray: &&Ray| self::octant(ray) == octant;
+        let end = at + rays[at..].iter().take(RAYS).take_while(is_like).count();
+        if end - at >= LEAST_RUN {
+            return at..end;
         }
         at = end;
     }
-    None
+    at..at
 }
 
-/// How many of the first rays, a tile at the most, have the origin of the first.
+/// The signs of a direction.
 #[inline(always)]
-fn run_of_one_origin(rays: &[Ray]) -> usize {
-    let [x, y, z] = rays[0].origin;
-    let is_like = |ray: &&Ray| {
-        let [a, b, c] = ray.origin;
-        // Bit by bit, so that a NaN is like itself.
-        (x.to_bits() ^ a.to_bits()) | (y.to_bits() ^ b.to_bits()) | (z.to_bits() ^ c.to_bits()) == 0
-    };
-    rays.iter().take(RAYS).take_while(is_like).count()
+fn octant(ray: &Ray) -> u32 {
+    let [x, y, z] = ray.direction;
+    x.to_bits() >> 31 | y.to_bits() >> 31 << 1 | z.to_bits() >> 31 << 2
 }
 
 /// The rays of a tile, the last of them repeated until it is full.
 #[inline(always)]
-fn prepare<L: Eight>(parts: &Parts<'_>, rays: &[Ray]) -> Option<[Prepared; PACKETS]> {
-    let mut full = [*rays.last()?; RAYS];
+fn prepare<L: Eight>(hierarchy: &Hierarchy<'_>, rays: &[Ray]) -> [Prepared; PACKETS] {
+    let mut full = [rays[rays.len() - 1]; RAYS];
     full[..rays.len()].copy_from_slice(rays);
-    let packet = |packet: usize| &full[8 * packet..8 * packet + 8];
-    Some([
-        Prepared::of::<L>(&parts.frame, packet(0)),
-        Prepared::of::<L>(&parts.frame, packet(1)),
-        Prepared::of::<L>(&parts.frame, packet(2)),
-        Prepared::of::<L>(&parts.frame, packet(3)),
-        Prepared::of::<L>(&parts.frame, packet(4)),
-        Prepared::of::<L>(&parts.frame, packet(5)),
-        Prepared::of::<L>(&parts.frame, packet(6)),
-        Prepared::of::<L>(&parts.frame, packet(7)),
-    ])
+    eight_times!(packet => Prepared::of::<L>(&hierarchy.frame, &full[8 * packet..8 * packet + 8]))
 }

@@ -1,44 +1,43 @@
-//! One ray from the root down: eight boxes of a payload at once, nearest octant first.
+//! One ray from the first branch down: eight boxes at once, nearest slot first.
 //!
-//! The octree's payloads are a bounding volume hierarchy of eight children a node. A ray that descends it meets the box
-//! of every block in which it hits something (ARCHITECTURE.md, "Descent"), so it gives what the walk gives.
+//! The branches are a bounding volume hierarchy over the octree's blocks. A ray that descends it meets the box of every
+//! block in which it hits something (ARCHITECTURE.md, "Descent"), so it gives what the walk gives.
 
-use leafwalk_core::boxes::Slabs;
-use leafwalk_core::layout::NONE;
-use leafwalk_core::step::Line;
+use leafwalk_core::Nearest;
 use leafwalk_core::triangle::Shear;
-use leafwalk_core::{CanonicalRay, Nearest, Parts, per_axis};
 
+use crate::hierarchy::{Hierarchy, ROOT};
 use crate::lanes::Eight;
 use crate::node::{meet, test_block};
-use crate::trail::Trail;
+use crate::ready::Ready;
+use crate::stack::{END, Stack};
 
 /// The nearest hit of one ray; with `ANY`, some hit.
 #[inline(always)]
-pub(crate) fn descend<L: Eight, const ANY: bool>(parts: &Parts<'_>, ray: &CanonicalRay, trail: &mut Trail) -> Nearest {
-    let mut nearest = Nearest::new(ray);
-    let line = Line::<f32>::new(ray);
-    let (shear, axes) = Shear::<L>::new(ray);
-    let slabs = Slabs::<L>::new(per_axis!(k => L::splat(line.origin[k])), per_axis!(k => L::splat(line.inverse[k])));
-    trail.clear();
-    let mut node = 0;
-    while let Some(payload) = parts.payloads.get(node as usize) {
-        let (first, mut met) = meet(&slabs, line.neg, payload, &nearest);
-        if payload.children != 0 && met != 0 {
-            node = trail.enter(payload, line.neg, met, first);
-            continue;
-        }
-        while payload.children == 0 && met != 0 {
-            let b = met.trailing_zeros();
-            met &= met - 1;
-            if first[b as usize & 7] <= nearest.t {
-                test_block::<L>(&parts.blocks[(payload.first + b) as usize], &shear, axes, &mut nearest);
-                if ANY && nearest.is_hit() {
-                    return nearest;
-                }
+pub(crate) fn descend<L: Eight, const ANY: bool>(
+    hierarchy: &Hierarchy<'_>,
+    ready: &Ready<L>,
+    stack: &mut Stack,
+) -> Nearest {
+    let Ready { slabs, neg, mut nearest, .. } = *ready;
+    stack.clear();
+    let mut child = ROOT;
+    loop {
+        if let Some(branch) = hierarchy.branch(child) {
+            let (first, met) = meet(&slabs, branch, &nearest);
+            if met != 0 {
+                child = stack.enter(branch, neg, first, met);
+                continue;
+            }
+        } else if let Some(block) = hierarchy.block(child) {
+            test_block(block, &Shear::<L>::splat(&ready.shear), ready.axes, &mut nearest);
+            if ANY && nearest.is_hit() {
+                return nearest;
             }
         }
-        node = if payload.next != NONE { payload.next } else { trail.back(line.neg, nearest.t) };
+        child = stack.pop(nearest.t);
+        if child == END {
+            return nearest;
+        }
     }
-    nearest
 }

@@ -2,19 +2,23 @@
 #![deny(unsafe_code)]
 
 mod batch;
+mod beam;
 mod brute_force;
 mod build;
 mod descent;
+mod hierarchy;
 mod lanes;
 mod mesh;
 mod node;
 mod prepare;
 mod question;
+mod ready;
+mod sequence;
 mod single;
+mod stack;
 mod stream;
 mod tile;
 mod tracer;
-mod trail;
 mod verify;
 
 pub use brute_force::BruteForce;

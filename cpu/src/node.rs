@@ -1,20 +1,20 @@
-//! The eight boxes of a payload, and the eight triangles of a block, against one ray.
+//! The eight boxes of a branch, and the eight triangles of a block, against one ray.
 
 use leafwalk_core::boxes::Slabs;
 use leafwalk_core::lanes::Mask as _;
-use leafwalk_core::layout::{Block, Payload};
+use leafwalk_core::layout::{Block, Branch};
 use leafwalk_core::triangle::{Shear, Sheared};
 use leafwalk_core::{Nearest, per_axis};
 
 use crate::lanes::Eight;
 
-/// Which of a payload's eight boxes a ray meets, and where it enters them.
+/// Which of a branch's eight boxes a ray meets, and where it enters them.
 #[inline(always)]
-pub(crate) fn meet<L: Eight>(slabs: &Slabs<L>, neg: u32, payload: &Payload, nearest: &Nearest) -> ([f32; 8], u32) {
-    let (near, far) = (payload.facing(neg), payload.facing(!neg));
-    let (near, far) = (per_axis!(k => L::from_steps(near[k])), per_axis!(k => L::from_steps(far[k])));
-    let (first, last) = slabs.clip(near, far, L::splat(nearest.t_min), L::splat(nearest.t));
-    (first.to_array(), first.at_most(last).to_bits())
+pub(crate) fn meet<L: Eight>(slabs: &Slabs<L>, branch: &Branch, nearest: &Nearest) -> (L, u32) {
+    let sides: [[L; 3]; 2] =
+        [per_axis!(k => L::from_steps(&branch.sides[k][0])), per_axis!(k => L::from_steps(&branch.sides[k][1]))];
+    let (first, last) = slabs.clip(sides[0], sides[1], L::splat(nearest.t_min), L::splat(nearest.t));
+    (first, first.at_most(last).to_bits())
 }
 
 /// Tests the eight triangles of a block.

@@ -1,31 +1,46 @@
-//! Rays one after another, eight lanes a ray.
+//! One ray, eight lanes.
 
-use leafwalk_core::{Parts, Ray};
+use core::cell::RefCell;
+use core::marker::PhantomData;
+
+use leafwalk_core::{CanonicalRay, Nearest, Ray};
 
 use crate::descent::descend;
-use crate::lanes::{Eight, Kernel};
+use crate::hierarchy::Hierarchy;
+use crate::lanes::{Eight, Kernel, Registers};
 use crate::question::Question;
-use crate::trail::Trail;
+use crate::ready::Ready;
+use crate::stack::Stack;
 
-/// Rays to answer.
-pub(crate) struct Single<'a, Q: Question> {
-    pub(crate) parts: &'a Parts<'a>,
-    pub(crate) rays: &'a [Ray],
-    pub(crate) answers: &'a mut [Q::Answer],
+/// Answers a ray.
+#[inline]
+pub(crate) fn answer<Q: Question>(registers: Registers, hierarchy: &Hierarchy<'_>, ray: &Ray) -> Q::Answer {
+    // A new stack for each ray would take a tenth of its time.
+    thread_local!(static STACK: RefCell<Stack> = const { RefCell::new(Stack::new()) });
+    let Some(ray) = hierarchy.frame.canonical(ray) else { return Q::MISS };
+    STACK.with_borrow_mut(|stack| {
+        let nearest = registers.run(Single::<Q> { hierarchy, ray: &ray, stack, question: PhantomData });
+        Q::answer(&ray.clock, &nearest)
+    })
+}
+
+struct Single<'a, Q> {
+    hierarchy: &'a Hierarchy<'a>,
+    ray: &'a CanonicalRay,
+    stack: &'a mut Stack,
+    question: PhantomData<Q>,
 }
 
 impl<Q: Question> Kernel for Single<'_, Q> {
-    type Output = ();
+    type Output = Nearest;
 
     #[inline(always)]
-    fn run<L: Eight>(self) {
-        let mut trail = Trail::new();
-        for (ray, answer) in self.rays.iter().zip(self.answers) {
-            *answer = match self.parts.frame.canonical(ray) {
-                Some(ray) if Q::ANY => Q::answer(&ray.clock, &descend::<L, true>(self.parts, &ray, &mut trail)),
-                Some(ray) => Q::answer(&ray.clock, &descend::<L, false>(self.parts, &ray, &mut trail)),
-                None => Q::MISS,
-            };
+    fn run<L: Eight>(self) -> Nearest {
+        let ready = Ready::<L>::new(self.ray);
+        if Q::ANY {
+            descend::<L, true>(self.hierarchy, &ready, self.stack)
+        } else {
+            descend::<L, false>(self.hierarchy, &ready, self.stack)
         }
     }
 }

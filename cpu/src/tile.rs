@@ -1,168 +1,118 @@
-//! Rays with one origin and much the same direction, traced together: 64 rays share each node and each triangle.
+//! Rays that go much the same way, traced together: 64 rays share each branch and each triangle.
 //!
 //! What a tile skips, it skips by bounds that each of its rays keeps: so it gives what each ray alone gives.
 
-use leafwalk_core::lanes::{Lanes, Mask as _};
-use leafwalk_core::layout::{BLOCK_WIDTH, BOX_MARGIN, Block, LATTICE, NONE, Payload, SMALLEST_SHEARED};
+use leafwalk_core::lanes::Mask as _;
+use leafwalk_core::layout::{BLOCK_WIDTH, BOX_MARGIN, Block, Branch, LATTICE, NONE};
 use leafwalk_core::triangle::{PERMUTATIONS, Shear, Sheared};
-use leafwalk_core::{Nearest, Parts, per_axis};
+use leafwalk_core::{Nearest, per_axis};
 
-use crate::lanes::Eight;
-use crate::prepare::Prepared;
-use crate::trail::Trail;
+use crate::beam::{Beam, BoxTest, Range};
+use crate::hierarchy::{Hierarchy, ROOT};
+use crate::lanes::{Eight, eight_times};
+use crate::prepare::{PACKETS, Prepared};
+use crate::question::Question;
+use crate::stack::{END, Stack};
 
-/// Packets of eight rays a tile.
-pub(crate) const PACKETS: usize = 8;
 /// Rays a tile.
 pub(crate) const RAYS: usize = 8 * PACKETS;
-/// Difference of slopes between rays (about 11 degrees) above which a tile shares too little.
-const WIDEST: f32 = 0.2;
 /// Triangles of which a tile remembers that it has tested them: a power of two.
 const MAILBOXES: usize = 64;
-/// The box margin in lattice steps.
-const MARGIN: f32 = BOX_MARGIN * LATTICE as f32;
-
-/// The least and the greatest of some numbers.
-#[derive(Clone, Copy, Debug)]
-struct Range<L> {
-    least: L,
-    greatest: L,
-}
+/// Triangles tested above which rays had better be traced one by one: about what that takes.
+const PATIENCE: usize = 10 * RAYS;
+/// Edge of the root in lattice steps.
+const STEPS: f32 = LATTICE as f32;
 
 /// A tile under way.
-pub(crate) struct Tile<L> {
+pub(crate) struct Tile<'a, L> {
+    prepared: &'a [Prepared; PACKETS],
     neg: u32,
     axes: [usize; 3],
-    /// In lattice steps, moved by the box margin to where near sides, or far ones, count from.
-    near: [L; 3],
-    far: [L; 3],
-    inverse: [Range<L>; 3],
-    t_min: f32,
-    /// Permuted, in lattice units.
-    origin: [L; 3],
-    packets: [Shear<L>; PACKETS],
-    /// Slopes of each packet, a packet a lane.
-    of_packets: [Range<L>; 2],
-    /// Slopes of all.
-    of_all: [Range<L>; 2],
-    pub(crate) nearest: [Nearest; RAYS],
+    boxes: BoxTest<L>,
+    /// A packet a lane.
+    of_packets: Beam<L>,
+    of_all: Beam<L>,
+    entry: Entry<L>,
+    nearest: [Nearest; RAYS],
     /// The farthest t' that any ray still asks for.
     last: f32,
     mailboxes: [u32; MAILBOXES],
+    /// Triangles tested so far.
+    tests: usize,
 }
 
-impl<L: Eight> Tile<L> {
+impl<'a, L: Eight> Tile<'a, L> {
     /// A tile of 64 rays, or `None` where they have too little in common.
     #[inline(always)]
-    pub(crate) fn new(prepared: &[Prepared; PACKETS]) -> Option<Self> {
+    pub(crate) fn new(prepared: &'a [Prepared; PACKETS], beam_margin: f32) -> Option<Self> {
         let (neg, main_axis) = (prepared[0].neg[0], prepared[0].main_axis[0]);
-        let origin: [f32; 3] = per_axis!(k => prepared[0].origin[k][0]);
         for rays in prepared {
-            let is_alike = rays.waiting == 0xff
-                && rays.neg == [neg; 8]
-                && rays.main_axis == [main_axis; 8]
-                && rays.origin == origin.map(|c| [c; 8]);
-            if !is_alike {
+            if rays.waiting != 0xff || rays.neg != [neg; 8] || rays.main_axis != [main_axis; 8] {
                 return None;
             }
         }
-        let all: [(f32, f32); 2] =
-            [widest(range::<L>(prepared, |rays| &rays.slope[0])), widest(range::<L>(prepared, |rays| &rays.slope[1]))];
-        if all.iter().any(|(least, greatest)| greatest - least > WIDEST) {
-            return None;
-        }
         let axes = PERMUTATIONS[usize::from(main_axis).min(2)];
-        // From permuted lattice units to lattice steps.
-        let mut steps = [0.0; 3];
-        for k in 0..3 {
-            steps[axes[k]] = origin[k] * LATTICE as f32;
-        }
-        let inverse = per_axis!(axis => widest(range::<L>(prepared, |rays| &rays.inverse[axis])));
-        let of_packets = [of_packets(prepared, 0), of_packets(prepared, 1)];
+        let z = along(prepared);
+        let (of_packets, of_all) = Beam::around(prepared, z, beam_margin)?;
         let nearest = core::array::from_fn(|ray| {
             let (packet, lane) = (&prepared[ray / 8], ray % 8);
             Nearest { t_min: packet.t_min[lane], t: packet.t_max[lane], u: 0.0, v: 0.0, primitive: NONE }
         });
-        let is_negative = |k: usize| neg >> k & 1 == 1;
-        let (below, above) = (steps.map(|c| c - (1.0 + MARGIN)), steps.map(|c| c + MARGIN));
         Some(Self {
+            prepared,
             neg,
             axes,
-            near: per_axis!(k => L::splat(if is_negative(k) { below[k] } else { above[k] })),
-            far: per_axis!(k => L::splat(if is_negative(k) { above[k] } else { below[k] })),
-            inverse: per_axis!(k => splat(inverse[k])),
-            t_min: widest(range::<L>(prepared, |rays| &rays.t_min)).0,
-            origin: per_axis!(k => L::splat(origin[k])),
-            packets: [
-                shear(&prepared[0]),
-                shear(&prepared[1]),
-                shear(&prepared[2]),
-                shear(&prepared[3]),
-                shear(&prepared[4]),
-                shear(&prepared[5]),
-                shear(&prepared[6]),
-                shear(&prepared[7]),
-            ],
+            boxes: BoxTest::new(&of_all, axes, z),
             of_packets,
-            of_all: [splat(all[0]), splat(all[1])],
+            of_all,
+            entry: Entry::new(prepared, axes[2], neg >> axes[2] & 1 == 1),
             nearest,
-            last: widest(range::<L>(prepared, |rays| &rays.t_max)).1,
+            last: Range::of_rows(eight_times!(packet => L::load(&prepared[packet].t_max))).whole().greatest,
             mailboxes: [NONE; MAILBOXES],
+            tests: 0,
         })
     }
 
-    /// Finds the nearest hit of each ray; with `ANY`, some hit.
+    /// Finds the nearest hit of each ray; with `ANY`, some hit. `false`: gave up, because the rays have too little in
+    /// common for triangles as small as these.
     #[inline(always)]
-    pub(crate) fn trace<const ANY: bool>(&mut self, parts: &Parts<'_>, trail: &mut Trail) {
-        trail.clear();
-        let mut node = 0;
-        while let Some(payload) = parts.payloads.get(node as usize) {
-            let (first, mut met) = self.meet(payload);
-            let is_inner = payload.children != 0;
-            trail.wait(payload, self.neg, if is_inner { met } else { 0 }, first);
-            met = if is_inner { 0 } else { met };
-            while met != 0 {
-                let b = met.trailing_zeros();
-                met &= met - 1;
-                if first[b as usize & 7] <= self.last {
-                    self.test_block::<ANY>(&parts.blocks[(payload.first + b) as usize]);
+    pub(crate) fn trace<const ANY: bool>(&mut self, hierarchy: &Hierarchy<'_>, stack: &mut Stack) -> bool {
+        stack.clear();
+        let mut child = ROOT;
+        loop {
+            if let Some(branch) = hierarchy.branch(child) {
+                let first = self.entry.of(branch);
+                let met = (self.boxes.may_meet(branch) & first.at_most(L::splat(self.last))).to_bits();
+                if met != 0 {
+                    child = stack.enter(branch, self.neg, first, met);
+                    continue;
+                }
+            } else if let Some(block) = hierarchy.block(child) {
+                self.test_block::<ANY>(block);
+                if self.tests > PATIENCE {
+                    return false;
                 }
             }
-            node = if payload.next != NONE { payload.next } else { trail.back(self.neg, self.last) };
+            child = stack.pop(self.last);
+            if child == END {
+                return true;
+            }
         }
     }
 
-    /// Which of a payload's boxes any ray may meet, and the earliest t' at which one may.
+    /// What was asked of a ray, after the trace.
     #[inline(always)]
-    fn meet(&self, payload: &Payload) -> ([f32; 8], u32) {
-        let (near, far) = (payload.facing(self.neg), payload.facing(!self.neg));
-        let [x, y, z]: [L; 3] = per_axis!(k => {
-            let Range { least, greatest } = self.inverse[k];
-            let distance = L::from_steps(near[k]) - self.near[k];
-            (distance * least).min(distance * greatest)
-        });
-        let first = L::splat(self.t_min).max(x).max(y.max(z));
-        let [x, y, z]: [L; 3] = per_axis!(k => {
-            let Range { least, greatest } = self.inverse[k];
-            let distance = L::from_steps(far[k]) - self.far[k];
-            (distance * least).max(distance * greatest)
-        });
-        let last = L::splat(self.last).min(x).min(y.min(z));
-        (first.to_array(), first.at_most(last).to_bits())
+    pub(crate) fn answer<Q: Question>(&self, ray: usize) -> Q::Answer {
+        Q::answer(&self.prepared[ray / 8].clocks[ray % 8], &self.nearest[ray])
     }
 
     #[inline(always)]
     fn test_block<const ANY: bool>(&mut self, block: &Block) {
-        let corners: [[L; 3]; 3] =
-            per_axis!(c => per_axis!(k => L::load(&block.vertices[c][self.axes[k]]) - self.origin[k]));
-        let mut triangles = may_hit(&corners, &self.of_all).to_bits();
-        if triangles == 0 {
-            return;
-        }
-        let corners: [[[f32; BLOCK_WIDTH]; 3]; 3] = per_axis!(c => per_axis!(k => corners[c][k].to_array()));
+        let corners: [[L; 3]; 3] = per_axis!(c => per_axis!(k => L::load(&block.vertices[c][self.axes[k]])));
+        let mut triangles = self.of_all.may_hit(&corners).to_bits();
         let mut is_hit = false;
         while triangles != 0 {
-            let lane = triangles.trailing_zeros() as usize & 7;
+            let lane = triangles.trailing_zeros() as usize % BLOCK_WIDTH;
             triangles &= triangles - 1;
             let primitive = block.primitives[lane];
             let mailbox = &mut self.mailboxes[primitive as usize % MAILBOXES];
@@ -171,10 +121,11 @@ impl<L: Eight> Tile<L> {
                 continue;
             }
             *mailbox = primitive;
-            let triangle: [[L; 3]; 3] = per_axis!(c => per_axis!(k => L::splat(corners[c][k][lane])));
-            let mut packets = may_hit(&triangle, &self.of_packets).to_bits();
+            self.tests += 1;
+            let triangle: [[L; 3]; 3] = per_axis!(c => per_axis!(k => L::splat(block.vertices[c][self.axes[k]][lane])));
+            let mut packets = self.of_packets.may_hit(&triangle).to_bits();
             while packets != 0 {
-                let packet = packets.trailing_zeros() as usize & 7;
+                let packet = packets.trailing_zeros() as usize % PACKETS;
                 packets &= packets - 1;
                 is_hit |= self.test_packet::<ANY>(packet, triangle, primitive);
             }
@@ -187,13 +138,15 @@ impl<L: Eight> Tile<L> {
     /// Tests one triangle against eight rays.
     #[inline(always)]
     fn test_packet<const ANY: bool>(&mut self, packet: usize, triangle: [[L; 3]; 3], primitive: u32) -> bool {
-        let shear = &self.packets[packet];
-        let sheared = Sheared::from_differences(shear, triangle);
+        let rays = &self.prepared[packet];
+        let shear =
+            Shear { origin: per_axis!(k => L::load(&rays.origin[k])), slope: per_axis!(k => L::load(&rays.slope[k])) };
+        let sheared = Sheared::new(&shear, triangle);
         let candidates = sheared.is_candidate();
         if !candidates.any() {
             return false;
         }
-        let (accepted, found) = sheared.finish(shear);
+        let (accepted, found) = sheared.finish(&shear);
         let mut accepted = (accepted & candidates).to_bits();
         let (t, u, v) = (found.t.to_array(), found.u.to_array(), found.v.to_array());
         let is_hit = accepted != 0;
@@ -211,78 +164,53 @@ impl<L: Eight> Tile<L> {
     }
 }
 
-/// Lanes whose triangle some ray of a range of slopes may hit: along both axes across it, corners on both sides.
-///
-/// Sheared coordinates are monotone in the slope, rounding included, so those of the outermost slopes bound them all;
-/// and coordinates up to [`SMALLEST_SHEARED`] count as 0.
+/// Where along axis 2 rays may hit anything: inside the root, between their ends. Never empty.
 #[inline(always)]
-fn may_hit<L: Lanes>(corners: &[[L; 3]; 3], slopes: &[Range<L>; 2]) -> L::Mask {
-    straddles(corners, 0, slopes[0]) & straddles(corners, 1, slopes[1])
-}
-
-#[inline(always)]
-fn straddles<L: Lanes>(corners: &[[L; 3]; 3], axis: usize, slopes: Range<L>) -> L::Mask {
-    let [a, b, c]: [(L, L); 3] = per_axis!(c => {
-        let one = corners[c][axis] - slopes.least * corners[c][2];
-        let other = corners[c][axis] - slopes.greatest * corners[c][2];
-        (one.min(other), one.max(other))
-    });
-    let (least, greatest) = (a.0.min(b.0).min(c.0), a.1.max(b.1).max(c.1));
-    least.at_most(L::splat(SMALLEST_SHEARED)) & L::splat(-SMALLEST_SHEARED).at_most(greatest)
-}
-
-#[inline(always)]
-fn shear<L: Eight>(rays: &Prepared) -> Shear<L> {
-    Shear { origin: per_axis!(k => L::load(&rays.origin[k])), slope: per_axis!(k => L::load(&rays.slope[k])) }
-}
-
-/// Lane by lane, the range of a row over all packets.
-#[inline(always)]
-fn range<L: Eight>(prepared: &[Prepared; PACKETS], row: impl Fn(&Prepared) -> &[f32; 8]) -> Range<L> {
-    let mut range = Range { least: L::load(row(&prepared[0])), greatest: L::load(row(&prepared[0])) };
-    for rays in &prepared[1..] {
-        let row = L::load(row(rays));
-        range = Range { least: range.least.min(row), greatest: range.greatest.max(row) };
+fn along(prepared: &[Prepared; PACKETS]) -> Range<f32> {
+    let (mut least, mut greatest) = (1f32, 0f32);
+    for rays in prepared {
+        for lane in 0..8 {
+            let at = |t: f32| (rays.origin[2][lane] + rays.speed[lane] * t).clamp(0.0, 1.0);
+            let (a, b) = (at(rays.t_min[lane]), at(rays.t_max[lane]));
+            least = least.min(a.min(b));
+            greatest = greatest.max(a.max(b));
+        }
     }
-    range
+    // A lattice step more, which covers the rounding, too.
+    Range { least: least - 1.0 / STEPS, greatest: greatest + 1.0 / STEPS }
 }
 
-/// The range over all lanes.
-#[inline(always)]
-fn widest<L: Eight>(range: Range<L>) -> (f32, f32) {
-    (least(&range.least.to_array()), greatest(&range.greatest.to_array()))
+/// The earliest t' at which a tile's rays enter boxes: where the first of them meets their near sides along axis 2.
+struct Entry<L> {
+    axis: usize,
+    /// Upper sides are near.
+    is_upper: bool,
+    /// In lattice steps, the origin closest to what lies ahead, and the box margin.
+    origin: L,
+    /// t' a lattice step.
+    inverse: Range<L>,
+    t_min: L,
 }
 
-/// Packet by packet, the range of its slopes along an axis.
-#[inline(always)]
-fn of_packets<L: Eight>(prepared: &[Prepared; PACKETS], axis: usize) -> Range<L> {
-    let (mut lower, mut upper) = ([0.0; PACKETS], [0.0; PACKETS]);
-    for packet in 0..PACKETS {
-        lower[packet] = least(&prepared[packet].slope[axis]);
-        upper[packet] = greatest(&prepared[packet].slope[axis]);
+impl<L: Eight> Entry<L> {
+    #[inline(always)]
+    fn new(prepared: &[Prepared; PACKETS], axis: usize, is_upper: bool) -> Self {
+        let origin = Range::of_rows(eight_times!(packet => L::load(&prepared[packet].origin[2]))).whole();
+        let inverse = Range::of_rows(eight_times!(packet => L::load(&prepared[packet].inverse[axis]))).whole();
+        let margin = BOX_MARGIN * STEPS;
+        let origin = if is_upper { origin.least * STEPS - (1.0 + margin) } else { origin.greatest * STEPS + margin };
+        Self {
+            axis,
+            is_upper,
+            origin: L::splat(origin),
+            inverse: Range::splat(inverse),
+            t_min: L::splat(Range::of_rows(eight_times!(packet => L::load(&prepared[packet].t_min))).whole().least),
+        }
     }
-    Range { least: L::load(&lower), greatest: L::load(&upper) }
-}
 
-#[inline(always)]
-fn splat<L: Lanes>((least, greatest): (f32, f32)) -> Range<L> {
-    Range { least: L::splat(least), greatest: L::splat(greatest) }
-}
-
-#[inline(always)]
-fn least(row: &[f32; 8]) -> f32 {
-    let mut least = row[0];
-    for lane in 1..8 {
-        least = if row[lane] < least { row[lane] } else { least };
+    #[inline(always)]
+    fn of(&self, branch: &Branch) -> L {
+        let distance = L::from_steps(&branch.sides[self.axis][usize::from(self.is_upper)]) - self.origin;
+        self.t_min.max((distance * self.inverse.least).min(distance * self.inverse.greatest))
     }
-    least
-}
-
-#[inline(always)]
-fn greatest(row: &[f32; 8]) -> f32 {
-    let mut greatest = row[0];
-    for lane in 1..8 {
-        greatest = if row[lane] > greatest { row[lane] } else { greatest };
-    }
-    greatest
 }

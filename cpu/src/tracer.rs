@@ -4,9 +4,11 @@ use leafwalk_core::{Hit, LengthMismatch, Octree, Ray, Tracer, Walk, Work};
 use rayon::prelude::*;
 
 use crate::batch::Batch;
+use crate::beam::BEAM_MARGIN;
+use crate::hierarchy::Hierarchy;
 use crate::lanes::Registers;
 use crate::question::{Closest, Occluded, Question};
-use crate::single::Single;
+use crate::single;
 
 /// Rays a task: enough to hide the cost of handing it out, few enough to share the work evenly.
 const CHUNK: usize = 4096;
@@ -16,12 +18,14 @@ const CHUNK: usize = 4096;
 pub struct CpuTracer<W> {
     octree: Octree<W>,
     registers: Registers,
+    beam_margin: f32,
+    is_in_flight: bool,
 }
 
 impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     /// Takes an octree, owned or borrowed.
     pub fn new(octree: Octree<W>) -> Self {
-        Self { octree, registers: Registers::detect() }
+        Self { octree, registers: Registers::detect(), beam_margin: BEAM_MARGIN, is_in_flight: false }
     }
 
     /// With the registers that the compiler may assume alone, for tests: all give the same bits.
@@ -31,6 +35,20 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
         Self { registers: Registers::Portable, ..self }
     }
 
+    /// With rays always several in flight, whatever the size of the octree, for tests.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn in_flight(self) -> Self {
+        Self { is_in_flight: true, ..self }
+    }
+
+    /// With beams that are wider than their rays by this, in lattice units: too small, and a test has to notice.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with_beam_margin(self, beam_margin: f32) -> Self {
+        Self { beam_margin, ..self }
+    }
+
     /// The octree that is traced.
     pub fn octree(&self) -> &Octree<W> {
         &self.octree
@@ -38,21 +56,21 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
 
     /// The closest hit of one ray, on this thread.
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let hit = self.single::<Closest>(ray);
+        let hit = single::answer::<Closest>(self.registers, &Hierarchy::of(&self.octree), ray);
         (!hit.is_miss()).then_some(hit)
     }
 
     /// Whether one ray hits anything, on this thread.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.single::<Occluded>(ray)
+        single::answer::<Occluded>(self.registers, &Hierarchy::of(&self.octree), ray)
     }
 
-    #[inline(always)]
-    fn single<Q: Question>(&self, ray: &Ray) -> Q::Answer {
-        let mut answer = Q::MISS;
-        let (rays, answers) = (core::slice::from_ref(ray), core::slice::from_mut(&mut answer));
-        self.registers.run(Single::<Q> { parts: &self.octree.parts(), rays, answers });
-        answer
+    fn batches<Q: Question>(&self, rays: &[Ray], answers: &mut [Q::Answer]) -> Result<(), LengthMismatch> {
+        let hierarchy = &Hierarchy::of(&self.octree);
+        let Self { beam_margin, is_in_flight, .. } = *self;
+        answer(rays, answers, |rays, answers| {
+            self.registers.run(Batch::<Q> { hierarchy, beam_margin, is_in_flight, rays, answers });
+        })
     }
 
     /// Closest hits, each with the work it took, for heat maps and reports.
@@ -85,12 +103,10 @@ impl<W: AsRef<[u32]> + Sync> Tracer for CpuTracer<W> {
     type Error = LengthMismatch;
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
-        let parts = self.octree.parts();
-        answer(rays, hits, |rays, answers| self.registers.run(Batch::<Closest> { parts: &parts, rays, answers }))
+        self.batches::<Closest>(rays, hits)
     }
 
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
-        let parts = self.octree.parts();
-        answer(rays, occluded, |rays, answers| self.registers.run(Batch::<Occluded> { parts: &parts, rays, answers }))
+        self.batches::<Occluded>(rays, occluded)
     }
 }

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use leafwalk_core::layout::{Block, Key, NONE, Payload, Record};
+use leafwalk_core::layout::{ABSENT, BRANCH_WIDTH, Block, Child, Key, LatticeBox, NONE, Payload, Record};
 use leafwalk_core::{Octree, Parts};
 use rayon::prelude::*;
 
@@ -35,6 +35,12 @@ pub enum VerifyError {
         leaf: u32,
         /// The triangle.
         primitive: u32,
+    },
+    /// The branches do not lead to a block, or only with a box that is smaller than the one in its leaf: rays that descend
+    /// would miss it.
+    LostBlock {
+        /// Number of the block.
+        block: u32,
     },
     /// Two leaves list a triangle with different corners.
     CornersDiffer {
@@ -70,6 +76,9 @@ impl fmt::Display for VerifyError {
             Self::SmallBox { leaf, primitive } => {
                 write!(f, "in leaf {leaf} triangle {primitive} sticks out of its block's box: build the octree anew")
             }
+            Self::LostBlock { block } => {
+                write!(f, "no branch leads to block {block} with a box as large as in its leaf: build the octree anew")
+            }
             Self::CornersDiffer { leaf, primitive } => {
                 write!(f, "leaf {leaf} has other corners for triangle {primitive} than an earlier leaf: build it anew")
             }
@@ -102,8 +111,33 @@ fn verify_triangles(parts: &Parts<'_>, triangles: &[Triangle]) -> Result<Verifie
     if listed != expected {
         return Err(VerifyError::TriangleCount { listed, expected });
     }
+    check_branches(parts)?;
     let references = Check { parts, triangles }.node(0, (0..triangles.len() as u32).collect())?;
     Ok(Verified { triangles: listed, references })
+}
+
+/// Whether the branches lead to every block that leaves list.
+fn check_branches(parts: &Parts<'_>) -> Result<(), VerifyError> {
+    let mut found = vec![ABSENT; parts.blocks.len()];
+    let children = parts.branches.iter().flat_map(|branch| (0..BRANCH_WIDTH).map(|slot| branch.child(slot)));
+    for (boxed, child) in children {
+        if let Child::Block(block) = child {
+            found[block as usize] = boxed;
+        }
+    }
+    let listed = parts
+        .payloads
+        .iter()
+        .flat_map(|payload| (0..payload.count).map(|b| (payload.first + b, payload.boxed(b as usize))));
+    let is_lost = |(block, boxed): &(u32, LatticeBox)| !encloses(found[*block as usize], *boxed);
+    match listed.into_iter().find(is_lost) {
+        Some((block, _)) => Err(VerifyError::LostBlock { block }),
+        None => Ok(()),
+    }
+}
+
+fn encloses(outer: LatticeBox, inner: LatticeBox) -> bool {
+    (0..3).all(|k| inner.0[k] >= outer.0[k] && inner.1[k] <= outer.1[k])
 }
 
 /// As [`verify`], and checks that the octree was built from this mesh.
@@ -180,7 +214,7 @@ impl Check<'_> {
         let mut listed = Vec::new();
         for payload in self.parts.payloads_of(leaf) {
             let first = payload.first as usize;
-            for (b, block) in self.parts.blocks[first..first + usize::from(payload.count)].iter().enumerate() {
+            for (b, block) in self.parts.blocks[first..first + payload.count as usize].iter().enumerate() {
                 self.block(number, key, payload, b, block)?;
                 listed.extend(block.primitives.iter().filter(|primitive| **primitive != NONE));
             }
@@ -195,10 +229,8 @@ impl Check<'_> {
 
     fn block(&self, leaf: u32, key: Key, payload: &Payload, b: usize, block: &Block) -> Result<(), VerifyError> {
         for (lane, &primitive) in block.primitives.iter().enumerate().filter(|(_, primitive)| **primitive != NONE) {
-            let (lower, upper) = box_inside(key, &block.corners(lane), self.parts.header.padding);
-            let boxed = payload.boxed(b);
-            let fits = |k: usize| lower[k] >= boxed.0[k] && upper[k] <= boxed.1[k];
-            if !(0..3).all(fits) {
+            let needed = box_inside(key, &block.corners(lane), self.parts.header.padding);
+            if !encloses(payload.boxed(b), needed) {
                 return Err(VerifyError::SmallBox { leaf, primitive });
             }
         }

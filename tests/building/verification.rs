@@ -2,7 +2,7 @@
 
 use leafwalk::wire::Section;
 use leafwalk::{Builder, Mesh, Octree, VerifyError, verify, verify_against};
-use leafwalk_core::layout::{NONE, Payload};
+use leafwalk_core::layout::{Child, NONE, Payload};
 use leafwalk_cpu::Spoiled;
 
 use crate::support::edited::Edited;
@@ -49,7 +49,7 @@ fn a_missing_reference_is_found() {
     let valid = Edited::new(&octree);
     let parts = octree.parts();
     let owner = |block: usize| {
-        let holds = |payload: &Payload| (payload.first as usize..).take(payload.count.into()).any(|b| b == block);
+        let holds = |payload: &Payload| (payload.first as usize..).take(payload.count as usize).any(|b| b == block);
         parts.leaves().find(|(_, leaf)| parts.payloads_of(leaf).any(holds)).expect("every block has a leaf").0
     };
     let count =
@@ -78,9 +78,8 @@ fn a_missing_reference_is_found() {
 fn a_box_that_is_too_small_is_found() {
     let (_, octree) = scene();
     let valid = Edited::new(&octree);
-    let is_of_a_leaf = |(_, payload): &(usize, &Payload)| payload.children == 0;
     let mut shrunk = 0;
-    for (number, payload) in octree.parts().payloads.iter().enumerate().filter(is_of_a_leaf).step_by(5) {
+    for (number, payload) in octree.parts().payloads.iter().enumerate().step_by(5) {
         for k in 0..3 {
             if payload.sides[k][0][0] == payload.sides[k][1][0] {
                 continue;
@@ -95,6 +94,35 @@ fn a_box_that_is_too_small_is_found() {
         }
     }
     assert!(shrunk > 30, "{shrunk}");
+}
+
+#[test]
+fn a_block_that_branches_do_not_lead_to_is_found() {
+    let (_, octree) = scene();
+    let valid = Edited::new(&octree);
+    let mut tried = 0;
+    for (number, branch) in octree.parts().branches.iter().enumerate() {
+        for slot in 0..8 {
+            let (boxed, Child::Block(block)) = branch.child(slot) else { continue };
+            // Another block twice: as many are led to as there are.
+            let other = (block + 1) % octree.stats().blocks;
+            let octree =
+                valid.decode_with(|file| file.branches()[number].put(slot, boxed, Child::Block(other))).unwrap();
+            assert!(matches!(verify(&octree), Err(VerifyError::LostBlock { .. })), "block {block}");
+            tried += 1;
+        }
+    }
+    // Smaller boxes decode only where those of the branches above become smaller, too: at the first.
+    for slot in 0..8 {
+        let (boxed, Child::Block(block)) = octree.parts().branches[0].child(slot) else { continue };
+        for k in (0..3).filter(|k| boxed.0[*k] < boxed.1[*k]) {
+            let smaller = valid.decode_with(|file| file.branches()[0].sides[k][1][slot] -= 1).unwrap();
+            assert_eq!(verify(&smaller), Err(VerifyError::LostBlock { block }));
+            let smaller = valid.decode_with(|file| file.branches()[0].sides[k][0][slot] += 1).unwrap();
+            assert_eq!(verify(&smaller), Err(VerifyError::LostBlock { block }));
+        }
+    }
+    assert!(tried > 30, "{tried}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod branches;
 mod contents;
 mod links;
 mod preamble;

@@ -151,6 +151,8 @@ fn a_section_must_stand_in_the_table_once() {
         let error = refused(&valid, |file| file.row(section)[0] = u32::from_le_bytes(*b"none"));
         assert!(matches!(error, DecodeError::BadRecord { .. } | DecodeError::BadPayload { .. }), "{error}");
     }
+    let error = refused(&valid, |file| file.row(Section::Branches)[0] = u32::from_le_bytes(*b"none"));
+    assert_eq!(error, DecodeError::SectionLength { section: Section::Branches, words: 0 });
     assert!(valid.decode_with(|file| file.row(Section::Materials)[0] = u32::from_le_bytes(*b"none")).is_ok());
 }
 

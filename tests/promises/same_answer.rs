@@ -6,6 +6,7 @@ use leafwalk_core::step::{Pluecker, Slab};
 
 use crate::scenes::{self, Scene};
 use crate::support::random::Random;
+use crate::support::rays::Shared;
 use crate::support::{meshes, rays};
 use crate::tally::{Any, Tally, bits, scaled, tally};
 use crate::variants::{OneByOne, Stepping};
@@ -70,13 +71,18 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
     let batches = CpuTracer::new(scene.octree.view());
     let portable = batches.clone().portable();
     let (singles, portable_singles) = (OneByOne(&batches), OneByOne(&portable));
-    let tracers: [Any<'_>; 7] = [&scene.octree, &slab, &pluecker, &batches, &singles, &portable, &portable_singles];
+    let (in_flight, portable_in_flight) = (batches.clone().in_flight(), portable.clone().in_flight());
+    let scalar: [Any<'_>; 3] = [&scene.octree, &slab, &pluecker];
+    let lanes: [Any<'_>; 3] = [&batches, &singles, &in_flight];
+    let portable_lanes: [Any<'_>; 3] = [&portable, &portable_singles, &portable_in_flight];
+    let tracers = [scalar, lanes, portable_lanes].concat();
     differences(&tracers, &scene.brute_force, &hard(mesh), scaled(count), seed).passes(name, 0.05);
     let (centre, size) = rays::extent(mesh);
-    let coherent = |random: &mut Random| rays::coherent(mesh, centre, size, random);
-    let name = format!("{name}, coherent rays");
-    differences(&[&batches, &portable], &scene.brute_force, &coherent, scaled(count / 5), seed + 500)
-        .passes(&name, 0.1);
+    for (shares, seed) in Shared::ALL.into_iter().zip(seed + 500..) {
+        let coherent = |random: &mut Random| rays::coherent(shares, mesh, centre, size, random);
+        let name = format!("{name}, runs that share {shares:?}");
+        differences(&[&batches, &portable], &scene.brute_force, &coherent, scaled(count / 12), seed).passes(&name, 0.1);
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use leafwalk::wire::{self, Header, Section, Spans, TABLE_ROW};
 use leafwalk::{DecodeError, Octree};
-use leafwalk_core::layout::{Block, Payload, Record};
+use leafwalk_core::layout::{Block, Branch, Payload, Record};
 
 /// Where the section table starts.
 const TABLE: usize = wire::PREAMBLE_WORDS;
@@ -42,6 +42,10 @@ impl Edited {
 
     pub fn blocks(&mut self) -> &mut [Block] {
         bytemuck::cast_slice_mut(self.section(Section::Blocks))
+    }
+
+    pub fn branches(&mut self) -> &mut [Branch] {
+        bytemuck::cast_slice_mut(self.section(Section::Branches))
     }
 
     pub fn grid(&mut self) -> &mut [u32] {

@@ -99,21 +99,49 @@ pub fn hard(mesh: &Mesh, centre: [f32; 3], size: f32, random: &mut Random) -> Ra
 /// Rays a run of [`coherent`] ones.
 pub const RUN: u64 = 64;
 
-/// A ray of a run that has one origin and much the same direction, aimed where neighbouring triangles meet.
-pub fn coherent(mesh: &Mesh, centre: [f32; 3], size: f32, random: &mut Random) -> Ray {
+/// What the rays of a run share, beside their direction, more or less.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shared {
+    /// Where they start, as rays of a camera.
+    Origin,
+    /// Where they end, as shadow rays.
+    End,
+    /// Nothing.
+    Nothing,
+}
+
+impl Shared {
+    pub const ALL: [Self; 3] = [Self::Origin, Self::End, Self::Nothing];
+}
+
+/// A ray of a run of much the same direction, aimed where neighbouring triangles meet.
+pub fn coherent(shares: Shared, mesh: &Mesh, centre: [f32; 3], size: f32, random: &mut Random) -> Ray {
     let mut run = random.of_run(RUN);
     let reach = [0.5, 0.5, 1.0, 1.4][run.below(4)] * size;
     let v = run.vector();
-    let mut origin: [f32; 3] = core::array::from_fn(|k| centre[k] + reach * v[k]);
+    let mut shared: [f32; 3] = core::array::from_fn(|k| centre[k] + reach * v[k]);
     let first = run.below(mesh.triangles.len());
     if run.below(8) == 0 {
-        origin = mesh.corners(run.below(mesh.triangles.len()))[0];
+        shared = mesh.corners(run.below(mesh.triangles.len()))[0];
     }
+    let spread = 0.02 * size * run.unit();
     let corners = mesh.corners((first + random.below(6)) % mesh.triangles.len());
     let (from, to) = (corners[random.below(3)], corners[random.below(3)]);
     let w = if random.below(2) == 0 { 0.0 } else { random.unit() };
     let target: [f32; 3] = core::array::from_fn(|k| from[k] + w * (to[k] - from[k]));
-    let mut direction = sub(target, origin);
+    let (origin, mut direction, t_max) = match shares {
+        Shared::Origin => (shared, sub(target, shared), f32::INFINITY),
+        // Through the target, from close behind it.
+        Shared::End => {
+            let origin = core::array::from_fn(|k| target[k] + 0.1 * (target[k] - shared[k]));
+            (origin, sub(shared, origin), 1.0)
+        }
+        Shared::Nothing => {
+            let jitter = random.vector();
+            let origin = core::array::from_fn(|k| shared[k] + spread * jitter[k]);
+            (origin, sub(target, origin), f32::INFINITY)
+        }
+    };
     if random.below(2) == 0 {
         direction = direction.map(|c| random.nudge(c));
     }
@@ -121,7 +149,8 @@ pub fn coherent(mesh: &Mesh, centre: [f32; 3], size: f32, random: &mut Random) -
         direction = [size, 0.0, 0.0];
     }
     let scale = 2f32.powi(random.below(8) as i32 - 4);
-    Ray::between(origin, direction.map(|c| c * scale), [0.0, 0.0, -0.5][random.below(3)], f32::INFINITY)
+    let t_min = [0.0, 0.0, -0.5][random.below(3)];
+    Ray::between(origin, direction.map(|c| c * scale), t_min, t_max / scale)
 }
 
 /// A ray cut just before or behind one of its own hits, to test the limits to the last bit.

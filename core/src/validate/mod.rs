@@ -1,5 +1,6 @@
 //! Everything that tracing relies on, checked once: after this nothing can go out of bounds, and no walk can loop.
 
+mod branches;
 mod contents;
 mod tree;
 
@@ -20,6 +21,7 @@ pub(crate) fn sections(parts: &Parts<'_>, keeps_margin: bool) -> Result<(), Deco
     header(parts)?;
     lengths(parts)?;
     tree::check(parts)?;
+    branches::check(parts)?;
     for (number, leaf) in parts.leaves() {
         links(parts, number, leaf)?;
     }

@@ -2,7 +2,7 @@
 
 use super::contents::Contents;
 use crate::error::{DecodeError, RecordFault};
-use crate::layout::{Key, MAX_LEVEL, NONE, Record};
+use crate::layout::{Key, MAX_LEVEL, Record};
 use crate::octree::Parts;
 
 /// Levels, keys and children: a depth-first traversal must meet the sibling blocks in the order of their numbers.
@@ -19,7 +19,6 @@ pub(super) fn check(parts: &Parts<'_>) -> Result<(), DecodeError> {
     // At each level the record to visit; numbers of siblings end in 0 to 7.
     let mut path = [0u32; MAX_LEVEL as usize + 1];
     let mut keys = [Key::ROOT; MAX_LEVEL as usize + 1];
-    let mut payloads = [NONE; MAX_LEVEL as usize + 1];
     let mut level = 0;
     loop {
         let number = path[level];
@@ -31,7 +30,6 @@ pub(super) fn check(parts: &Parts<'_>) -> Result<(), DecodeError> {
         if parts.key(number) != place || head.level() as usize != level {
             return bad(number, RecordFault::Place);
         }
-        let payload = if level == 0 { contents.root() } else { contents.child(payloads[level - 1], number & 7) };
         if head.is_inner() {
             let record = &parts.records[number as usize];
             let children_end = next_block.checked_add(8).filter(|end| *end as usize <= parts.records.len());
@@ -39,15 +37,13 @@ pub(super) fn check(parts: &Parts<'_>) -> Result<(), DecodeError> {
             if record.offset != next_block || record.neighbours != [0; 6] || level == MAX_LEVEL as usize {
                 return bad(number, RecordFault::Children);
             }
-            contents.inner(payload)?;
             keys[level] = place;
-            payloads[level] = payload;
             level += 1;
             path[level] = next_block;
             next_block = children_end;
             continue;
         }
-        contents.leaf(number, payload)?;
+        contents.leaf(number)?;
         while level > 0 && path[level] & 7 == 7 {
             level -= 1;
         }

@@ -1,11 +1,14 @@
 //! The sections as one run of words.
 
-use leafwalk_core::layout::{BLOCK_WORDS, Block, KEY_WORDS, NONE, PADDING, PAYLOAD_WORDS, Payload, RECORD_WORDS};
+use leafwalk_core::layout::{
+    BLOCK_WIDTH, BLOCK_WORDS, BRANCH_WORDS, Block, KEY_WORDS, PADDING, PAYLOAD_WORDS, Payload, RECORD_WORDS,
+};
 use leafwalk_core::wire::{self, Header, Section};
 use leafwalk_core::{Octree, Policy};
 use rayon::prelude::*;
 
-use super::leaf::{self, Place, block_count};
+use super::branch;
+use super::leaf::{self, block_count};
 use super::link::{Linked, Payloads, link};
 use super::monitor::Monitor;
 use super::normalise::Normalised;
@@ -25,9 +28,10 @@ pub(crate) fn assemble(
     monitor: &Monitor<'_>,
 ) -> Result<Octree<Vec<u32>>, BuildError> {
     let linked = link(tree);
-    let references = |leaf: &u32| tree.references(&tree.nodes[*leaf as usize]).len();
-    let payloads = linked.payloads.count as usize;
-    let blocks: usize = linked.payloads.leaves.iter().map(|leaf| block_count(references(leaf))).sum();
+    let listings = list_leaves(normalised, tree, &linked, settings, monitor)?;
+    let payloads: Vec<Payload> = listings.iter().flat_map(|listing| &listing.payloads).copied().collect();
+    let branches = branch::grow(&payloads);
+    let blocks: usize = payloads.iter().map(|payload| payload.count as usize).sum();
     let header = Header {
         primitives: mesh.triangles.len() as u32,
         dropped: normalised.dropped,
@@ -45,8 +49,9 @@ pub(crate) fn assemble(
         Section::Header => size_of::<Header>() / size_of::<u32>(),
         Section::Records => linked.records.len() * RECORD_WORDS,
         Section::Keys => linked.keys.len() * KEY_WORDS,
-        Section::Payloads => payloads * PAYLOAD_WORDS,
+        Section::Payloads => payloads.len() * PAYLOAD_WORDS,
         Section::Blocks => blocks * BLOCK_WORDS,
+        Section::Branches => branches.len() * BRANCH_WORDS,
         Section::Grid => linked.grid.len(),
         Section::Materials => mesh.material_ids.len(),
         _ => 0,
@@ -77,10 +82,9 @@ pub(crate) fn assemble(
     section(Section::Header).copy_from_slice(bytemuck::cast_slice(&[header]));
     section(Section::Records).copy_from_slice(bytemuck::cast_slice(&linked.records));
     section(Section::Keys).copy_from_slice(bytemuck::cast_slice(&linked.keys));
-    let payloads = bytemuck::cast_slice_mut(section(Section::Payloads));
-    let blocks = bytemuck::cast_slice_mut(section(Section::Blocks));
-    fill_leaves(normalised, tree, &linked, settings, payloads, blocks, monitor)?;
-    gather(tree, &linked.payloads, payloads);
+    section(Section::Payloads).copy_from_slice(bytemuck::cast_slice(&payloads));
+    pack(&listings, normalised, bytemuck::cast_slice_mut(section(Section::Blocks)));
+    section(Section::Branches).copy_from_slice(bytemuck::cast_slice(&branches));
     section(Section::Grid).copy_from_slice(&linked.grid);
     section(Section::Materials).copy_from_slice(&mesh.material_ids);
     wire::seal(&mut words, &spans);
@@ -98,71 +102,78 @@ impl Policy for Touching {
     const KEEPS_MESH_MARGIN: bool = false;
 }
 
-/// Fills the leaves' payloads and blocks, tasks in parallel.
-fn fill_leaves(
+/// What some leaves list.
+struct Listing {
+    payloads: Vec<Payload>,
+    /// Of each leaf, block after block.
+    references: Vec<u32>,
+    /// How many of them each leaf has.
+    counts: Vec<usize>,
+}
+
+impl Listing {
+    fn blocks(&self) -> usize {
+        self.payloads.iter().map(|payload| payload.count as usize).sum()
+    }
+}
+
+/// Groups what each leaf lists, tasks in parallel.
+fn list_leaves(
     normalised: &Normalised,
     tree: &Tree,
     linked: &Linked,
     settings: &Settings,
-    payloads: &mut [Payload],
-    blocks: &mut [Block],
     monitor: &Monitor<'_>,
-) -> Result<(), BuildError> {
-    let block_count = |leaf: &u32| block_count(tree.references(&tree.nodes[*leaf as usize]).len());
-    let (mut rest, mut first_block) = (blocks, 0);
-    let mut tasks = Vec::new();
-    for leaves in linked.payloads.leaves.chunks(LEAVES_A_TASK) {
-        let count = leaves.iter().map(block_count).sum();
-        let (own, tail) = core::mem::take(&mut rest).split_at_mut(count);
-        rest = tail;
-        tasks.push((leaves, first_block, own));
-        first_block += count as u32;
-    }
-    monitor.check(0.0)?;
-    let filled: Result<Vec<_>, BuildError> = tasks
-        .into_par_iter()
-        .map(|(leaves, mut block, mut blocks)| {
-            monitor.check_cancelled()?;
-            let mut filled = Vec::with_capacity(leaves.len());
-            for leaf in leaves {
-                let node = &tree.nodes[*leaf as usize];
-                let (own, tail) = blocks.split_at_mut(block_count(leaf));
-                blocks = tail;
-                let place = Place { block, chain: linked.payloads.chain[*leaf as usize] };
-                block += own.len() as u32;
-                filled.extend(leaf::fill(
-                    node.key,
-                    tree.references(node),
-                    &normalised.triangles,
-                    settings,
-                    &place,
-                    own,
-                ));
-            }
-            Ok(filled)
+) -> Result<Vec<Listing>, BuildError> {
+    let Payloads { first, leaves } = &linked.payloads;
+    let references = |leaf: &u32| tree.references(&tree.nodes[*leaf as usize]);
+    let mut next_block = 0;
+    let tasks: Vec<_> = leaves
+        .chunks(LEAVES_A_TASK)
+        .map(|leaves| {
+            let block = next_block;
+            next_block += leaves.iter().map(|leaf| block_count(references(leaf).len())).sum::<usize>();
+            (leaves, block)
         })
         .collect();
-    let mut filled = filled?.into_iter().flatten();
-    for &leaf in &linked.payloads.leaves {
-        let mut number = linked.payloads.first[leaf as usize];
-        // A leaf's payloads name the next, the last one none.
-        while let Some(payload) = payloads.get_mut(number as usize) {
-            *payload = filled.next().unwrap_or(*payload);
-            number = payload.next;
+    monitor.check(0.0)?;
+    let list = |(leaves, mut block): (&[u32], usize)| {
+        monitor.check_cancelled()?;
+        let mut listing = Listing { payloads: Vec::new(), references: Vec::new(), counts: Vec::new() };
+        for leaf in leaves {
+            let (start, cell) = (listing.references.len(), tree.nodes[*leaf as usize].key);
+            listing.references.extend_from_slice(references(leaf));
+            let own = &mut listing.references[start..];
+            let payload = first[*leaf as usize];
+            let payloads = leaf::list(cell, own, &normalised.triangles, settings, payload, block as u32);
+            block += block_count(own.len());
+            listing.counts.push(own.len());
+            listing.payloads.extend(payloads);
         }
-    }
-    monitor.check(1.0)
+        Ok(listing)
+    };
+    let listings = tasks.into_par_iter().map(list).collect();
+    monitor.check(1.0)?;
+    listings
 }
 
-/// Fills the inner nodes' payloads, children before parents.
-fn gather(tree: &Tree, numbers: &Payloads, payloads: &mut [Payload]) {
-    for (node, &number) in tree.nodes.iter().zip(&numbers.first).rev() {
-        if node.is_leaf() || number == NONE {
-            continue;
-        }
-        let numbers = &numbers.first[node.children as usize..][..8];
-        let children = core::array::from_fn(|octant| payloads.get(numbers[octant] as usize));
-        let first = numbers.iter().copied().find(|number| *number != NONE).unwrap_or(NONE);
-        payloads[number as usize] = leaf::gather(&children, first);
+/// Fills the blocks, tasks in parallel.
+fn pack(listings: &[Listing], normalised: &Normalised, blocks: &mut [Block]) {
+    let mut rest = blocks;
+    let mut tasks = Vec::new();
+    for listing in listings {
+        let (own, tail) = core::mem::take(&mut rest).split_at_mut(listing.blocks());
+        rest = tail;
+        tasks.push((listing, own));
     }
+    tasks.into_par_iter().for_each(|(listing, blocks)| {
+        let (mut references, mut blocks) = (&listing.references[..], blocks.iter_mut());
+        for &count in &listing.counts {
+            let (own, tail) = references.split_at(count);
+            references = tail;
+            for (group, block) in own.chunks(BLOCK_WIDTH).zip(&mut blocks) {
+                *block = leaf::pack(group, &normalised.triangles);
+            }
+        }
+    });
 }

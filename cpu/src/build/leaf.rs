@@ -1,4 +1,4 @@
-//! What nodes list: triangles grouped into blocks of eight, their boxes, payloads.
+//! What leaves list: triangles grouped into blocks of eight, their boxes, payloads.
 
 use glam::DVec3;
 use leafwalk_core::layout::{
@@ -26,22 +26,15 @@ pub(crate) fn payload_count(references: usize) -> usize {
     block_count(references).div_ceil(PAYLOAD_BLOCKS)
 }
 
-/// Where what a leaf lists goes.
-pub(crate) struct Place {
-    /// Number of the first block; the others follow it.
-    pub(crate) block: u32,
-    /// Number of the second payload, where there is one; the others follow it.
-    pub(crate) chain: u32,
-}
-
-/// Fills the blocks of one leaf and returns its payloads.
-pub(crate) fn fill(
+/// Orders the references of one leaf by blocks, and returns its payloads: numbered from `payload` on, their blocks from
+/// `block` on.
+pub(crate) fn list(
     cell: Key,
-    references: &[u32],
+    references: &mut [u32],
     triangles: &[(u32, [[f32; 3]; 3])],
     settings: &Settings,
-    place: &Place,
-    blocks: &mut [Block],
+    payload: u32,
+    block: u32,
 ) -> Vec<Payload> {
     let mut listed: Vec<Listed> = references
         .iter()
@@ -51,29 +44,23 @@ pub(crate) fn fill(
         })
         .collect();
     group(&mut listed);
-
-    let groups = listed.chunks_mut(BLOCK_WIDTH).collect::<Vec<_>>();
-    let boxes: Vec<_> = groups.iter().map(|group| spoil(round_out(cell, group), settings.spoiled)).collect();
-    for (group, block) in groups.into_iter().zip(blocks) {
+    let boxes: Vec<_> =
+        listed.chunks(BLOCK_WIDTH).map(|group| spoil(round_out(cell, group), settings.spoiled)).collect();
+    for (group, references) in listed.chunks_mut(BLOCK_WIDTH).zip(references.chunks_mut(BLOCK_WIDTH)) {
         // Ascending primitives, so that the block's bytes do not depend on how it was found.
         group.sort_unstable_by_key(|listed| listed.reference);
-        *block = pack(group, triangles);
+        for (reference, listed) in references.iter_mut().zip(group) {
+            *reference = listed.reference;
+        }
     }
     let count = payload_count(references.len());
     let in_payload = |(i, own): (usize, &[LatticeBox])| {
-        let payload = Payload::of_boxes(core::array::from_fn(|b| own.get(b).copied().unwrap_or(ABSENT)));
-        let (lower, upper) = if i == 0 { hull(boxes.iter().copied()) } else { payload.hull() };
-        let next = if i + 1 == count { NONE } else { place.chain + i as u32 };
-        Payload { lower, upper, first: place.block + (i * PAYLOAD_BLOCKS) as u32, next, ..payload }
+        let listing = Payload::of_boxes(core::array::from_fn(|b| own.get(b).copied().unwrap_or(ABSENT)));
+        let (lower, upper) = if i == 0 { hull(boxes.iter().copied()) } else { listing.hull() };
+        let next = if i + 1 == count { NONE } else { payload + i as u32 + 1 };
+        Payload { lower, upper, first: block + (i * PAYLOAD_BLOCKS) as u32, next, ..listing }
     };
     boxes.chunks(PAYLOAD_BLOCKS).enumerate().map(in_payload).collect()
-}
-
-/// The payload of an inner node, given those of its children that list something, by octant.
-pub(crate) fn gather(children: &[Option<&Payload>; 8], first: u32) -> Payload {
-    let payload = Payload::of_boxes(children.map(|child| child.map_or(ABSENT, Payload::hull)));
-    let present = (0..8).fold(0, |mask, octant| mask | u16::from(children[octant].is_some()) << octant);
-    Payload { children: present, first, ..payload }
 }
 
 /// Bounds of the part of a triangle inside a dilated cell. Binning is more generous than clipping: what only touches
@@ -128,12 +115,13 @@ fn spoil((lower, upper): LatticeBox, spoiled: Spoiled) -> LatticeBox {
     (lower, core::array::from_fn(|k| upper[k] - shrink(k)))
 }
 
-fn pack(group: &[Listed], triangles: &[(u32, [[f32; 3]; 3])]) -> Block {
+/// The block of up to eight references.
+pub(crate) fn pack(group: &[u32], triangles: &[(u32, [[f32; 3]; 3])]) -> Block {
     let mut block = Block { vertices: [[[0.0; BLOCK_WIDTH]; 3]; 3], primitives: [NONE; BLOCK_WIDTH] };
     for lane in 0..BLOCK_WIDTH {
-        let listed = group.get(lane);
-        let (primitive, corners) = &triangles[listed.unwrap_or(&group[0]).reference as usize];
-        block.primitives[lane] = listed.map_or(NONE, |_| *primitive);
+        let reference = group.get(lane);
+        let (primitive, corners) = &triangles[*reference.unwrap_or(&group[0]) as usize];
+        block.primitives[lane] = reference.map_or(NONE, |_| *primitive);
         for (corner, axis) in (0..9).map(|i| (i / 3, i % 3)) {
             block.vertices[corner][axis][lane] = corners[corner][axis];
         }

@@ -68,52 +68,30 @@ fn number(tree: &Tree) -> Vec<u32> {
     numbers
 }
 
-/// Numbers of payloads: the root's, then, depth first, those of each inner node's children, and of each leaf's chain.
+/// Numbers of payloads, leaf after leaf, depth first.
 pub(crate) struct Payloads {
-    /// Per node, its payload, or [`NONE`] where it lists nothing.
+    /// Per leaf that lists something, its first payload, which the others follow; else [`NONE`].
     pub(crate) first: Vec<u32>,
-    /// Per leaf with several, the second; the others follow it.
-    pub(crate) chain: Vec<u32>,
-    /// Leaves that list something, as indices of tree nodes, in the order of their blocks: depth first.
+    /// Leaves that list something, as indices of tree nodes, in their order.
     pub(crate) leaves: Vec<u32>,
-    pub(crate) count: u32,
 }
 
 impl Payloads {
     fn new(tree: &Tree) -> Self {
-        let nodes = tree.nodes.len();
-        let mut lists = vec![false; nodes];
-        // Children come after their parents.
-        for (at, node) in tree.nodes.iter().enumerate().rev() {
-            let children = node.children as usize;
-            lists[at] = if node.is_leaf() { node.lists() } else { lists[children..children + 8].contains(&true) };
-        }
-        let mut payloads = Self { first: vec![NONE; nodes], chain: vec![NONE; nodes], leaves: Vec::new(), count: 0 };
-        if lists[0] {
-            payloads.first[0] = payloads.take(1);
-        }
+        let mut payloads = Self { first: vec![NONE; tree.nodes.len()], leaves: Vec::new() };
+        let mut count = 0;
         let mut pending = vec![0u32];
         while let Some(at) = pending.pop() {
             let node = &tree.nodes[at as usize];
-            if node.is_leaf() {
-                if node.lists() {
-                    payloads.leaves.push(at);
-                    let more = payload_count(tree.references(node).len()) - 1;
-                    payloads.chain[at as usize] = payloads.take(more as u32);
-                }
-                continue;
+            if !node.is_leaf() {
+                pending.extend((node.children..node.children + 8).rev());
+            } else if node.lists() {
+                payloads.leaves.push(at);
+                payloads.first[at as usize] = count;
+                count += payload_count(tree.references(node).len()) as u32;
             }
-            for child in (node.children as usize..).take(8).filter(|child| lists[*child]) {
-                payloads.first[child] = payloads.take(1);
-            }
-            pending.extend((node.children..node.children + 8).rev());
         }
         payloads
-    }
-
-    fn take(&mut self, count: u32) -> u32 {
-        self.count += count;
-        self.count - count
     }
 }
 

@@ -182,6 +182,8 @@ impl Lanes for Avx2 {
 }
 
 impl Eight for Avx2 {
+    const PREFETCHES: bool = true;
+
     #[inline(always)]
     fn load(values: &[f32; 8]) -> Self {
         Self(unsafe { _mm256_loadu_ps(values.as_ptr()) })
@@ -189,6 +191,36 @@ impl Eight for Avx2 {
     #[inline(always)]
     fn from_steps(steps: &[u16; 8]) -> Self {
         Self(unsafe { _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(steps.as_ptr().cast()))) })
+    }
+    #[inline(always)]
+    fn pick(self, lanes: &[u8; 8], flip: u32) -> Self {
+        let lanes = unsafe { _mm256_cvtepu8_epi32(_mm_loadl_epi64(lanes.as_ptr().cast())) };
+        Self(unsafe { _mm256_permutevar8x32_ps(self.0, _mm256_xor_si256(lanes, _mm256_set1_epi32(flip as i32))) })
+    }
+    #[inline(always)]
+    fn transpose(rows: [Self; 8]) -> [Self; 8] {
+        let [a, b, c, d, e, f, g, h] = rows;
+        // Two by two, four by four, then across the halves of the registers.
+        macro_rules! pairs {
+            ($low:ident $high:ident: $($x:ident $y:ident),*) => {
+                unsafe { [$($low($x.0, $y.0), $high($x.0, $y.0)),*] }
+            };
+        }
+        let [ab, ab2, cd, cd2, ef, ef2, gh, gh2] = pairs!(_mm256_unpacklo_ps _mm256_unpackhi_ps: a b, c d, e f, g h);
+        let four = |x, y| unsafe { [_mm256_shuffle_ps::<0x44>(x, y), _mm256_shuffle_ps::<0xee>(x, y)] };
+        let ([k, l], [m, n], [o, p], [q, r]) = (four(ab, cd), four(ab2, cd2), four(ef, gh), four(ef2, gh2));
+        unsafe {
+            [
+                Self(_mm256_permute2f128_ps::<0x20>(k, o)),
+                Self(_mm256_permute2f128_ps::<0x20>(l, p)),
+                Self(_mm256_permute2f128_ps::<0x20>(m, q)),
+                Self(_mm256_permute2f128_ps::<0x20>(n, r)),
+                Self(_mm256_permute2f128_ps::<0x31>(k, o)),
+                Self(_mm256_permute2f128_ps::<0x31>(l, p)),
+                Self(_mm256_permute2f128_ps::<0x31>(m, q)),
+                Self(_mm256_permute2f128_ps::<0x31>(n, r)),
+            ]
+        }
     }
     #[inline(always)]
     fn prefetch<T>(item: &T) {

@@ -8,14 +8,20 @@ mod avx2;
 mod portable;
 
 use leafwalk_core::lanes::Lanes;
-use portable::Portable;
+pub(crate) use portable::Portable;
 
 /// Eight `f32` in a register, and ways in and out of it.
 pub(crate) trait Eight: Lanes {
+    /// Whether [`Eight::prefetch`] does anything.
+    const PREFETCHES: bool;
     /// One number a lane.
     fn load(values: &[f32; 8]) -> Self;
     /// One lattice step a lane, as numbers.
     fn from_steps(steps: &[u16; 8]) -> Self;
+    /// Lane i: what lane `lanes[i]` XOR `flip` holds, both below 8. It need not be a number.
+    fn pick(self, lanes: &[u8; 8], flip: u32) -> Self;
+    /// Row i, lane k: row k, lane i.
+    fn transpose(rows: [Self; 8]) -> [Self; 8];
     /// The numbers, lane by lane.
     fn to_array(self) -> [f32; 8];
     /// Asks for the cache lines of an item that is used soon.
@@ -59,3 +65,17 @@ impl Registers {
         }
     }
 }
+
+/// The values of an expression for 0 to 7, without a function in between, for the reason that `per_axis!` has.
+macro_rules! eight_times {
+    ($i:ident => $value:expr) => {
+        $crate::lanes::eight_times!($i => $value; 0 1 2 3 4 5 6 7)
+    };
+    ($i:ident => $value:expr; $($n:literal)*) => {
+        [$({
+            let $i = $n;
+            $value
+        }),*]
+    };
+}
+pub(crate) use eight_times;

@@ -140,6 +140,8 @@ impl Lanes for Portable {
 }
 
 impl Eight for Portable {
+    const PREFETCHES: bool = false;
+
     #[inline(always)]
     fn load(values: &[f32; 8]) -> Self {
         Self(f32x8::new(*values))
@@ -147,6 +149,19 @@ impl Eight for Portable {
     #[inline(always)]
     fn from_steps(steps: &[u16; 8]) -> Self {
         Self::from_integers(PortableBits(u32x8::new(steps.map(u32::from))))
+    }
+    #[inline(always)]
+    fn pick(self, lanes: &[u8; 8], flip: u32) -> Self {
+        let from = self.to_array();
+        let mut to = [0.0; 8];
+        for (to, lane) in to.iter_mut().zip(lanes) {
+            *to = from[(u32::from(*lane) ^ flip) as usize & 7];
+        }
+        Self::load(&to)
+    }
+    #[inline(always)]
+    fn transpose(rows: [Self; 8]) -> [Self; 8] {
+        f32x8::transpose(rows.map(|row| row.0)).map(Self)
     }
     #[inline(always)]
     fn prefetch<T>(_: &T) {}

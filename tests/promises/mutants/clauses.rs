@@ -7,7 +7,7 @@ use leafwalk_cpu::Spoiled;
 
 use crate::same_answer::{Source, differences, hard};
 use crate::support::random::Random;
-use crate::support::rays::{Target, extent, point_on};
+use crate::support::rays::{Shared, Target, extent, point_on};
 use crate::support::{meshes, rays};
 use crate::tally::{Tally, scaled};
 use crate::variants::{Every, OneByOne, Stepping};
@@ -149,4 +149,21 @@ fn boxes_too_small() {
     };
     check(Spoiled::Nothing).passes("whole boxes, P2", 0.05);
     check(Spoiled::Boxes).catches("boxes a lattice step too small");
+}
+
+#[test]
+fn beams_too_narrow() {
+    // Triangles about as large as what a run aims at, so that some of them lie at the rim of their beams.
+    let mesh = meshes::icosphere(3);
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
+    let every = Every::<f32>::of(&octree);
+    let (centre, size) = extent(&mesh);
+    for (shares, seed) in Shared::ALL.into_iter().zip(66..) {
+        let source = |random: &mut Random| rays::coherent(shares, &mesh, centre, size, random);
+        let check = |tracer: &CpuTracer<&[u32]>| differences(&[tracer], &every, &source, scaled(RAYS), seed);
+        for tracer in [CpuTracer::new(octree.view()), CpuTracer::new(octree.view()).portable()] {
+            check(&tracer).passes(&format!("whole beams, runs that share {shares:?}"), 0.1);
+            check(&tracer.with_beam_margin(-1e-3)).catches(&format!("beams too narrow, runs that share {shares:?}"));
+        }
+    }
 }

@@ -1,0 +1,241 @@
+//! What many rays share: four planes that hold all of them, in axes permuted so that axis 2 is their main one.
+//!
+//! Across axis 2 a ray is a line. Over a range of axis 2, the least of several lines lies above the line between the
+//! least at both ends, and the greatest below; so two such lines an axis bound rays whatever their origins: rays that
+//! spread from a point, that close in on one, and that do neither.
+
+use leafwalk_core::lanes::Lanes;
+use leafwalk_core::layout::{BOX_MARGIN, Branch, LATTICE, ROUNDOFF};
+use leafwalk_core::per_axis;
+
+use crate::lanes::{Eight, eight_times};
+use crate::prepare::{PACKETS, Prepared};
+
+/// How far outside its planes a beam still looks (lattice units).
+///
+/// Coordinates are below 4, and so is each of the ten roundings on the way to a plane and to its test at most two
+/// roundoffs: 20 roundoffs; triangles that count are up to 10 beside their rays (ARCHITECTURE.md, "The numeric contract").
+pub(crate) const BEAM_MARGIN: f32 = 64.0 * ROUNDOFF;
+/// Sum of a beam's widths at both ends above which its rays share too little (root edges).
+const WIDEST: f32 = 0.2;
+/// Edge of the root in lattice steps.
+const STEPS: f32 = LATTICE as f32;
+
+/// The least and the greatest of some numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Range<L> {
+    pub(crate) least: L,
+    pub(crate) greatest: L,
+}
+
+impl<L: Lanes> Range<L> {
+    #[inline(always)]
+    fn of(x: L) -> Self {
+        Self { least: x, greatest: x }
+    }
+
+    #[inline(always)]
+    fn and(self, other: L) -> Self {
+        Self { least: self.least.min(other), greatest: self.greatest.max(other) }
+    }
+}
+
+impl<L: Eight> Range<L> {
+    /// The same in every lane.
+    #[inline(always)]
+    pub(crate) fn splat(range: Range<f32>) -> Self {
+        Self { least: L::splat(range.least), greatest: L::splat(range.greatest) }
+    }
+
+    /// Over all packets, lane by lane.
+    #[inline(always)]
+    pub(crate) fn of_rows(rows: [L; PACKETS]) -> Self {
+        let [a, b, c, d, e, f, g, h] = rows;
+        Self::of(a).and(b).and(c).and(d).and(e).and(f).and(g).and(h)
+    }
+
+    /// Over all lanes.
+    #[inline(always)]
+    pub(crate) fn whole(self) -> Range<f32> {
+        let (mut least, mut greatest) = (f32::INFINITY, f32::NEG_INFINITY);
+        let (low, high) = (self.least.to_array(), self.greatest.to_array());
+        for lane in 0..8 {
+            least = if low[lane] < least { low[lane] } else { least };
+            greatest = if high[lane] > greatest { high[lane] } else { greatest };
+        }
+        Range { least, greatest }
+    }
+}
+
+/// A line across axis 2: `at + per_z * z`.
+#[derive(Clone, Copy, Debug)]
+struct Side<L> {
+    at: L,
+    per_z: L,
+}
+
+impl<L: Lanes> Side<L> {
+    /// Through two points, moved outward.
+    #[inline(always)]
+    fn through(range: Range<L>, a: L, b: L, outward: f32) -> Self {
+        let per_z = (b - a) / (range.greatest - range.least);
+        Self { at: a - per_z * range.least + L::splat(outward), per_z }
+    }
+
+    /// How far a point is beyond the line.
+    #[inline(always)]
+    fn beyond(&self, x: L, z: L) -> L {
+        x - self.per_z.about_mul_add(z, self.at)
+    }
+}
+
+/// Bounds along one axis across.
+#[derive(Clone, Copy, Debug)]
+struct Sides<L> {
+    low: Side<L>,
+    high: Side<L>,
+}
+
+impl<L: Lanes> Sides<L> {
+    /// Given where rays are at both ends of a range of axis 2.
+    #[inline(always)]
+    fn new(z: Range<L>, near: Range<L>, far: Range<L>, margin: f32) -> Self {
+        Self {
+            low: Side::through(z, near.least, far.least, -margin),
+            high: Side::through(z, near.greatest, far.greatest, margin),
+        }
+    }
+}
+
+/// Bounds along the two axes across.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beam<L> {
+    sides: [Sides<L>; 2],
+}
+
+impl<L: Eight> Beam<L> {
+    /// The beam of each packet, a packet a lane, over a range of axis 2 that is not empty; and that of all packets.
+    ///
+    /// `None`: they share too little.
+    #[inline(always)]
+    pub(crate) fn around(prepared: &[Prepared; PACKETS], z: Range<f32>, margin: f32) -> Option<(Self, Self)> {
+        let range = Range::splat(z);
+        let [x, all_x] = sides::<L>(prepared, 0, range, margin)?;
+        let [y, all_y] = sides::<L>(prepared, 1, range, margin)?;
+        Some((Self { sides: [x, y] }, Self { sides: [all_x, all_y] }))
+    }
+
+    /// Lanes whose triangle, or whose beam, may be met by the other.
+    #[inline(always)]
+    pub(crate) fn may_hit(&self, corners: &[[L; 3]; 3]) -> L::Mask {
+        self.straddled(corners, 0) & self.straddled(corners, 1)
+    }
+
+    /// Not all corners beyond one side.
+    #[inline(always)]
+    fn straddled(&self, corners: &[[L; 3]; 3], axis: usize) -> L::Mask {
+        let [a, b, c]: [L; 3] = per_axis!(c => self.sides[axis].low.beyond(corners[c][axis], corners[c][2]));
+        let [d, e, f]: [L; 3] = per_axis!(c => self.sides[axis].high.beyond(corners[c][axis], corners[c][2]));
+        let zero = L::splat(0.0);
+        zero.at_most(a.max(b).max(c)) & d.min(e).min(f).at_most(zero)
+    }
+}
+
+/// The sides of each packet and of all along one axis across.
+#[inline(always)]
+fn sides<L: Eight>(prepared: &[Prepared; PACKETS], axis: usize, z: Range<L>, margin: f32) -> Option<[Sides<L>; 2]> {
+    let (near, far) = (
+        eight_times!(packet => across(&prepared[packet], axis, z.least)),
+        eight_times!(packet => across(&prepared[packet], axis, z.greatest)),
+    );
+    // From a packet a row to a packet a lane.
+    let (near, far) = (Range::of_rows(L::transpose(near)), Range::of_rows(L::transpose(far)));
+    let (all_near, all_far) = (near.whole(), far.whole());
+    let width = (all_near.greatest - all_near.least) + (all_far.greatest - all_far.least);
+    if width > WIDEST || width.is_nan() {
+        return None;
+    }
+    let all = Sides::new(z, Range::splat(all_near), Range::splat(all_far), margin);
+    Some([Sides::new(z, near, far, margin), all])
+}
+
+/// Where rays are along an axis across, given where along axis 2.
+#[inline(always)]
+fn across<L: Eight>(rays: &Prepared, axis: usize, z: L) -> L {
+    L::load(&rays.origin[axis]) + L::load(&rays.slope[axis]) * (z - L::load(&rays.origin[2]))
+}
+
+/// Four planes against the boxes of a branch, in lattice steps.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoxTest<L> {
+    low: [Plane<L>; 2],
+    high: [Plane<L>; 2],
+    /// Rows of the lower and the upper sides along axis 2, and between which steps they are to lie.
+    ends: [usize; 2],
+    first_step: L,
+    last_step: L,
+}
+
+/// A box is beyond the plane where its side less `per_z` times its end along axis 2 is beyond `at`.
+#[derive(Clone, Copy, Debug)]
+struct Plane<L> {
+    at: L,
+    minus_per_z: L,
+    /// The row of the boxes' sides that come farthest inward, and of the ends where the plane lies farthest outward.
+    side: usize,
+    end: usize,
+}
+
+/// A box in step n reaches from `BELOW` it to `ABOVE` it.
+const BELOW: f32 = -BOX_MARGIN * STEPS;
+const ABOVE: f32 = 1.0 + BOX_MARGIN * STEPS;
+
+impl<L: Eight> Plane<L> {
+    /// Of a low or a high side across `axis`.
+    #[inline(always)]
+    fn new(line: &Side<L>, axis: usize, along: usize, is_low: bool) -> Self {
+        let (at, per_z) = (line.at.to_array()[0] * STEPS, line.per_z.to_array()[0]);
+        let is_upper_end = (per_z < 0.0) == is_low;
+        let at = at + per_z * if is_upper_end { ABOVE } else { BELOW } - if is_low { ABOVE } else { BELOW };
+        Self {
+            at: L::splat(at),
+            minus_per_z: L::splat(-per_z),
+            side: 2 * axis + usize::from(is_low),
+            end: 2 * along + usize::from(is_upper_end),
+        }
+    }
+
+    #[inline(always)]
+    fn inward(&self, rows: &[[u16; 8]; 6]) -> L {
+        self.minus_per_z.about_mul_add(L::from_steps(&rows[self.end]), L::from_steps(&rows[self.side]))
+    }
+}
+
+impl<L: Eight> BoxTest<L> {
+    /// For a beam that is the same in all lanes, and its range of axis 2.
+    #[inline(always)]
+    pub(crate) fn new(beam: &Beam<L>, axes: [usize; 3], z: Range<f32>) -> Self {
+        let [x, y, end] = axes;
+        let [across, up] = &beam.sides;
+        Self {
+            low: [Plane::new(&across.low, x, end, true), Plane::new(&up.low, y, end, true)],
+            high: [Plane::new(&across.high, x, end, false), Plane::new(&up.high, y, end, false)],
+            ends: [2 * end, 2 * end + 1],
+            first_step: L::splat(z.least * STEPS - ABOVE),
+            last_step: L::splat(z.greatest * STEPS - BELOW),
+        }
+    }
+
+    /// Lanes whose box some ray may meet.
+    #[inline(always)]
+    pub(crate) fn may_meet(&self, branch: &Branch) -> L::Mask {
+        let rows: &[[u16; 8]; 6] = bytemuck::cast_ref(&branch.sides);
+        let [[a, b], [c, d]] = [&self.low, &self.high];
+        a.at.at_most(a.inward(rows))
+            & b.at.at_most(b.inward(rows))
+            & c.inward(rows).at_most(c.at)
+            & d.inward(rows).at_most(d.at)
+            & self.first_step.at_most(L::from_steps(&rows[self.ends[1]]))
+            & L::from_steps(&rows[self.ends[0]]).at_most(self.last_step)
+    }
+}

@@ -1,0 +1,29 @@
+//! Rays that have nothing in common, one after another.
+
+use leafwalk_core::Ray;
+
+use crate::descent::descend;
+use crate::hierarchy::Hierarchy;
+use crate::lanes::Eight;
+use crate::prepare::Waiting;
+use crate::question::Question;
+use crate::stack::Stack;
+
+/// Answers rays; the answers are those of misses before.
+#[inline(always)]
+pub(crate) fn sequence<L: Eight, Q: Question>(
+    hierarchy: &Hierarchy<'_>,
+    rays: &[Ray],
+    answers: &mut [Q::Answer],
+    stack: &mut Stack,
+) {
+    let mut waiting = Waiting::new(&hierarchy.frame, rays);
+    while let Some((index, ready)) = waiting.take::<L>() {
+        let nearest = if Q::ANY {
+            descend::<L, true>(hierarchy, &ready, stack)
+        } else {
+            descend::<L, false>(hierarchy, &ready, stack)
+        };
+        answers[index] = Q::answer(&ready.clock, &nearest);
+    }
+}

@@ -1,0 +1,140 @@
+//! What is left of the hierarchy while rays descend: children that wait, the nearest on top.
+
+use leafwalk_core::layout::{BRANCH_WIDTH, Branch, MAX_DEPTH, NONE};
+
+use crate::lanes::Eight;
+
+/// The end; of each branch on the way to the deepest one all but one child, and all of that one; and as many again, since
+/// whole branches are written.
+const ROOM: usize = 1 + MAX_DEPTH * BRANCH_WIDTH + BRANCH_WIDTH;
+
+/// Stands at the bottom of a stack: the word of a block beyond all blocks, and not that of a vacant child.
+pub(crate) const END: u32 = NONE - 1;
+
+/// Words of children, and t' where each is entered.
+#[derive(Clone, Debug)]
+pub(crate) struct Stack {
+    children: [u32; ROOM],
+    first: [f32; ROOM],
+    len: usize,
+}
+
+impl Stack {
+    pub(crate) const fn new() -> Self {
+        // The end is entered before everything, so that it is always taken, and no look is needed for how much is left.
+        let (mut children, mut first) = ([0; ROOM], [0.0; ROOM]);
+        (children[0], first[0]) = (END, f32::NEG_INFINITY);
+        Self { children, first, len: 1 }
+    }
+
+    /// Leaves nothing but the end.
+    #[inline(always)]
+    pub(crate) fn clear(&mut self) {
+        self.len = 1;
+    }
+
+    /// Lets the children wait whose slots are in `met`, a mask; there may be none.
+    #[inline(always)]
+    pub(crate) fn push<L: Eight>(&mut self, branch: &Branch, neg: u32, first: L, met: u32) {
+        self.put(branch, neg, first, in_order(neg, met));
+    }
+
+    /// The nearest of the children whose slots are in `met`, a mask that is not 0; the others wait.
+    #[inline(always)]
+    pub(crate) fn enter<L: Eight>(&mut self, branch: &Branch, neg: u32, first: L, met: u32) -> u32 {
+        let met = in_order(neg, met);
+        let nearest = (met.trailing_zeros() ^ neg) & 7;
+        // Also where there are no others: whether there are cannot be predicted.
+        self.put(branch, neg, first, met & met.wrapping_sub(1));
+        branch.children[nearest as usize]
+    }
+
+    /// Adds slots given in the ray's order: all eight lanes are written, those that count first.
+    #[inline(always)]
+    fn put<L: Eight>(&mut self, branch: &Branch, neg: u32, first: L, in_order: u32) {
+        let lanes = &FARTHEST_FIRST[in_order as usize & 0xff];
+        let room = self.len..self.len + BRANCH_WIDTH;
+        let children = L::load(bytemuck::cast_ref(&branch.children)).pick(lanes, neg).to_array();
+        self.children[room.clone()].copy_from_slice(bytemuck::cast_ref::<_, [u32; BRANCH_WIDTH]>(&children));
+        self.first[room].copy_from_slice(&first.pick(lanes, neg).to_array());
+        self.len += in_order.count_ones() as usize;
+    }
+
+    /// The next child that is entered before `last`; after all others, once, [`END`].
+    #[inline(always)]
+    pub(crate) fn pop(&mut self, last: f32) -> u32 {
+        let mut at = self.len - 1;
+        while self.first[at] > last {
+            at -= 1;
+        }
+        self.len = at;
+        self.children[at]
+    }
+}
+
+/// A mask of slots with each slot XOR `neg`: low bits are near.
+#[inline(always)]
+fn in_order(neg: u32, met: u32) -> u32 {
+    u32::from(FLIPPED[neg as usize & 7][met as usize & 0xff])
+}
+
+/// Row n, column m: the slots in m, each XOR n.
+const FLIPPED: [[u8; 256]; 8] = {
+    let mut table = [[0; 256]; 8];
+    let mut at = 0;
+    while at < 8 * 256 * 8 {
+        let (neg, mask, slot) = (at >> 11, at >> 3 & 0xff, at & 7);
+        if mask >> slot & 1 == 1 {
+            table[neg][mask] |= 1 << (slot ^ neg);
+        }
+        at += 1;
+    }
+    table
+};
+
+/// Row m: the bits of m from the highest down, then zeros.
+const FARTHEST_FIRST: [[u8; BRANCH_WIDTH]; 256] = {
+    let mut table = [[0; BRANCH_WIDTH]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut left, mut at) = (mask as u32, 0);
+        while left != 0 {
+            let highest = left.ilog2();
+            table[mask][at] = highest as u8;
+            left ^= 1 << highest;
+            at += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::Portable;
+
+    fn waiting(stack: &mut Stack, last: f32) -> impl Iterator<Item = u32> {
+        core::iter::from_fn(move || Some(stack.pop(last)).filter(|child| *child != END))
+    }
+
+    #[test]
+    fn the_nearest_slots_come_first() {
+        let branch = Branch { children: core::array::from_fn(|slot| 100 + slot as u32), ..Branch::VACANT };
+        let first: [f32; 8] = core::array::from_fn(|slot| slot as f32);
+        for (neg, met) in (0..8).flat_map(|neg| (1..256u32).map(move |met| (neg, met))) {
+            let expected: Vec<u32> = (0..8).map(|at| at ^ neg).filter(|slot| met >> slot & 1 == 1).collect();
+            let mut stack = Stack::new();
+            stack.push(&branch, neg, Portable::load(&first), met);
+            let popped: Vec<u32> = waiting(&mut stack, 7.0).map(|child| child - 100).collect();
+            assert_eq!(popped, expected);
+
+            stack.clear();
+            let entered = stack.enter(&branch, neg, Portable::load(&first), met);
+            let mut found = vec![entered - 100];
+            found.extend(waiting(&mut stack, 3.5).map(|child| child - 100));
+            let (nearest, others) = expected.split_first().expect("a mask that is not 0");
+            assert!(found.iter().eq([nearest].into_iter().chain(others.iter().filter(|slot| **slot <= 3))));
+        }
+    }
+}
