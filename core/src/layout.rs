@@ -210,7 +210,7 @@ impl Key {
 /// A box in whole lattice steps: per axis, the first and the last step that it touches.
 pub type LatticeBox = ([u16; 3], [u16; 3]);
 
-/// A box that no ray meets, however dilated: its sides are the wrong way round.
+/// The box around nothing: its sides are the wrong way round.
 pub const ABSENT: LatticeBox = ([u16::MAX; 3], [0; 3]);
 
 /// The smallest box around boxes.

@@ -13,8 +13,8 @@ use crate::prepare::{PACKETS, Prepared};
 
 /// How far outside its planes a beam still looks (lattice units).
 ///
-/// Coordinates are below 4, and so is each of the ten roundings on the way to a plane and to its test at most two
-/// roundoffs: 20 roundoffs; triangles that count are up to 10 beside their rays (ARCHITECTURE.md, "The numeric contract").
+/// Coordinates are below 4, so each of the ten roundings on the way to a plane and through its test is at most two roundoffs,
+/// 20 in all; triangles that count are up to 10 beside their rays (ARCHITECTURE.md, "The numeric contract").
 pub(crate) const BEAM_MARGIN: f32 = 64.0 * ROUNDOFF;
 /// Sum of a beam's widths at both ends above which its rays share too little (root edges).
 const WIDEST: f32 = 0.2;

@@ -15,7 +15,7 @@ use crate::stack::Stack;
 /// Answers a ray.
 #[inline]
 pub(crate) fn answer<Q: Question>(registers: Registers, hierarchy: &Hierarchy<'_>, ray: &Ray) -> Q::Answer {
-    // A new stack for each ray would take a tenth of its time.
+    // A new stack would have to be filled for each ray.
     thread_local!(static STACK: RefCell<Stack> = const { RefCell::new(Stack::new()) });
     let Some(ray) = hierarchy.frame.canonical(ray) else { return Q::MISS };
     STACK.with_borrow_mut(|stack| {
