@@ -5,27 +5,29 @@ use core::ops::Range;
 
 use leafwalk_core::Ray;
 
+use crate::flights::fly;
 use crate::hierarchy::Hierarchy;
 use crate::lanes::{Eight, Kernel, eight_times};
 use crate::prepare::{PACKETS, Prepared};
 use crate::question::Question;
 use crate::sequence::sequence;
 use crate::stack::Stack;
-use crate::stream::stream;
+use crate::stream::Stream;
 use crate::tile::{RAYS, Tile};
 
 /// Rays that are worth a tile; it is filled up with copies.
 const LEAST_RUN: usize = 32;
-/// Bytes of branches and blocks that a core's own cache holds: only where they are more it pays to have several rays in
-/// flight (ARCHITECTURE.md, "Choices").
-const LARGE: usize = 1 << 20;
+/// Rays that are worth a stream.
+const LEAST_STREAM: usize = 64;
+/// Rays that must meet a branch of those that any meets, on average, or they had better go their own ways.
+const LEAST_SHARE: f32 = 3.0;
 
 /// A batch of rays to answer.
 pub(crate) struct Batch<'a, Q: Question> {
     pub(crate) hierarchy: &'a Hierarchy<'a>,
     pub(crate) beam_margin: f32,
-    /// Whatever the size of the hierarchy.
-    pub(crate) is_in_flight: bool,
+    pub(crate) is_streamed: bool,
+    pub(crate) scratch: &'a mut Scratch,
     pub(crate) rays: &'a [Ray],
     pub(crate) answers: &'a mut [Q::Answer],
 }
@@ -35,12 +37,11 @@ impl<Q: Question> Kernel for Batch<'_, Q> {
 
     #[inline(always)]
     fn run<L: Eight>(self) {
-        let Self { hierarchy, beam_margin, is_in_flight, rays, answers } = self;
+        let Self { hierarchy, beam_margin, is_streamed, scratch, rays, answers } = self;
         answers.fill(Q::MISS);
         if hierarchy.branches.is_empty() {
             return;
         }
-        let is_in_flight = is_in_flight || (L::PREFETCHES && hierarchy.size() > LARGE);
         let mut stack = Stack::new();
         // Rays from here on wait until it is known how many are to be traced alone.
         let (mut from, mut at) = (0, 0);
@@ -69,21 +70,52 @@ impl<Q: Question> Kernel for Batch<'_, Q> {
                 continue;
             }
             let alone = from..if is_traced { run.start } else { at };
-            if is_in_flight {
-                stream::<L, Q>(hierarchy, &rays[alone.clone()], &mut answers[alone]);
-            } else {
-                sequence::<L, Q>(hierarchy, &rays[alone.clone()], &mut answers[alone], &mut stack);
-            }
+            scratch.answer::<L, Q>(hierarchy, is_streamed, &rays[alone.clone()], &mut answers[alone], &mut stack);
             from = at;
         }
     }
 }
 
-/// How often to try tiles where they failed.
+/// What a thread keeps from one batch to the next.
+pub(crate) struct Scratch {
+    /// Made when it is first needed.
+    stream: Option<Stream>,
+    /// With streams.
+    patience: Patience,
+}
+
+impl Scratch {
+    pub(crate) fn new() -> Self {
+        Self { stream: None, patience: Patience { failures: 0, skipped: 0 } }
+    }
+
+    /// Answers rays that no tile holds; always by a stream, if tests ask for it.
+    #[inline(always)]
+    fn answer<L: Eight, Q: Question>(
+        &mut self,
+        hierarchy: &Hierarchy<'_>,
+        is_streamed: bool,
+        rays: &[Ray],
+        answers: &mut [Q::Answer],
+        stack: &mut Stack,
+    ) {
+        if rays.len() < LEAST_STREAM && !is_streamed {
+            sequence::<L, Q>(hierarchy, rays, answers, stack);
+        } else if !L::PREFETCHES || is_streamed || self.patience.tries() {
+            let stream = self.stream.get_or_insert_with(Stream::new);
+            let share = stream.trace::<L, Q>(hierarchy, rays, answers);
+            self.patience.learns(share > LEAST_SHARE);
+        } else {
+            fly::<L, Q>(hierarchy, rays, answers);
+        }
+    }
+}
+
+/// How often to try a way that failed.
 struct Patience {
     /// In a row.
     failures: u32,
-    /// Runs not tried since.
+    /// Rays, or runs of them, for which it was not tried since.
     skipped: u32,
 }
 
@@ -105,16 +137,20 @@ impl Patience {
 /// The next rays, a tile at the most, that are worth one as far as their octants tell; where there are none, the end.
 #[inline(always)]
 fn next_run(rays: &[Ray], mut at: usize) -> Range<usize> {
-    while at < rays.len() {
-        let octant = octant(&rays[at]);
+    while at + LEAST_RUN <= rays.len() {
+        // Every run that starts between here and there goes on from there to its last ray at least.
+        let there = at + LEAST_RUN - 1;
+        let octant = octant(&rays[there]);
         let is_like = |ray: &&Ray| self::octant(ray) == octant;
-        let end = at + rays[at..].iter().take(RAYS).take_while(is_like).count();
-        if end - at >= LEAST_RUN {
-            return at..end;
+        let start = there - rays[at..there].iter().rev().take_while(is_like).count();
+        let end =
+            start + rays[start..].iter().take(RAYS).skip(there - start).take_while(is_like).count() + there - start;
+        if end - start >= LEAST_RUN {
+            return start..end;
         }
         at = end;
     }
-    at..at
+    rays.len()..rays.len()
 }
 
 /// The signs of a direction.

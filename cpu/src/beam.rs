@@ -206,8 +206,8 @@ impl<L: Eight> Plane<L> {
     }
 
     #[inline(always)]
-    fn inward(&self, rows: &[[u16; 8]; 6]) -> L {
-        self.minus_per_z.about_mul_add(L::from_steps(&rows[self.end]), L::from_steps(&rows[self.side]))
+    fn inward(&self, rows: &[[u16; 8]; 6], order: L::Order) -> L {
+        self.minus_per_z.about_mul_add(L::from_steps(&rows[self.end], order), L::from_steps(&rows[self.side], order))
     }
 }
 
@@ -228,14 +228,14 @@ impl<L: Eight> BoxTest<L> {
 
     /// Lanes whose box some ray may meet.
     #[inline(always)]
-    pub(crate) fn may_meet(&self, branch: &Branch) -> L::Mask {
+    pub(crate) fn may_meet(&self, branch: &Branch, order: L::Order) -> L::Mask {
         let rows: &[[u16; 8]; 6] = bytemuck::cast_ref(&branch.sides);
         let [[a, b], [c, d]] = [&self.low, &self.high];
-        a.at.at_most(a.inward(rows))
-            & b.at.at_most(b.inward(rows))
-            & c.inward(rows).at_most(c.at)
-            & d.inward(rows).at_most(d.at)
-            & self.first_step.at_most(L::from_steps(&rows[self.ends[1]]))
-            & L::from_steps(&rows[self.ends[0]]).at_most(self.last_step)
+        a.at.at_most(a.inward(rows, order))
+            & b.at.at_most(b.inward(rows, order))
+            & c.inward(rows, order).at_most(c.at)
+            & d.inward(rows, order).at_most(d.at)
+            & self.first_step.at_most(L::from_steps(&rows[self.ends[1]], order))
+            & L::from_steps(&rows[self.ends[0]], order).at_most(self.last_step)
     }
 }

@@ -19,12 +19,12 @@ pub(crate) fn descend<L: Eight, const ANY: bool>(
     ready: &Ready<L>,
     stack: &mut Stack,
 ) -> Nearest {
-    let Ready { slabs, neg, mut nearest, .. } = *ready;
+    let Ready { slabs, order, neg, mut nearest, .. } = *ready;
     stack.clear();
     let mut child = ROOT;
     loop {
         if let Some(branch) = hierarchy.branch(child) {
-            let (first, met) = meet(&slabs, branch, &nearest);
+            let (first, met) = meet(&slabs, order, branch, &nearest);
             if met != 0 {
                 child = stack.enter(branch, neg, first, met);
                 continue;

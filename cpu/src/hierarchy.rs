@@ -1,5 +1,6 @@
 //! The part of an octree that rays descend.
 
+use crate::lanes::Eight;
 use leafwalk_core::layout::{Block, Branch, Child};
 use leafwalk_core::{Frame, Octree};
 
@@ -17,11 +18,6 @@ impl<'a> Hierarchy<'a> {
         Self { frame: octree.frame(), branches: octree.branches(), blocks: octree.blocks() }
     }
 
-    /// Bytes of branches and blocks.
-    pub(crate) fn size(&self) -> usize {
-        size_of_val(self.branches) + size_of_val(self.blocks)
-    }
-
     /// A branch by the word of a child. A block's is beyond all branches.
     #[inline(always)]
     pub(crate) fn branch(&self, child: u32) -> Option<&'a Branch> {
@@ -32,6 +28,16 @@ impl<'a> Hierarchy<'a> {
     #[inline(always)]
     pub(crate) fn block(&self, child: u32) -> Option<&'a Block> {
         self.blocks.get((child & Child::NUMBERS) as usize)
+    }
+
+    /// Asks for a branch or block that is visited soon.
+    #[inline(always)]
+    pub(crate) fn prefetch<L: Eight>(&self, child: u32) {
+        if let Some(branch) = self.branch(child) {
+            L::prefetch(branch);
+        } else if let Some(block) = self.block(child) {
+            L::prefetch(block);
+        }
     }
 }
 

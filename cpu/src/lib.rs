@@ -6,6 +6,7 @@ mod beam;
 mod brute_force;
 mod build;
 mod descent;
+mod flights;
 mod hierarchy;
 mod lanes;
 mod mesh;

@@ -8,11 +8,29 @@ use leafwalk_core::{Nearest, per_axis};
 
 use crate::lanes::Eight;
 
+/// The boxes of a branch as rays of one octant meet them.
+pub(crate) struct Facing<L> {
+    /// The sides that come first, in lattice steps, axis by axis.
+    pub(crate) near: [L; 3],
+    /// The opposite ones.
+    pub(crate) far: [L; 3],
+}
+
+impl<L: Eight> Facing<L> {
+    #[inline(always)]
+    pub(crate) fn new(branch: &Branch, order: L::Order, neg: u32) -> Self {
+        let (near, far) = (branch.facing(neg), branch.facing(!neg));
+        Self { near: per_axis!(k => L::from_steps(near[k], order)), far: per_axis!(k => L::from_steps(far[k], order)) }
+    }
+}
+
 /// Which of a branch's eight boxes a ray meets, and where it enters them.
 #[inline(always)]
-pub(crate) fn meet<L: Eight>(slabs: &Slabs<L>, branch: &Branch, nearest: &Nearest) -> (L, u32) {
-    let sides: [[L; 3]; 2] =
-        [per_axis!(k => L::from_steps(&branch.sides[k][0])), per_axis!(k => L::from_steps(&branch.sides[k][1]))];
+pub(crate) fn meet<L: Eight>(slabs: &Slabs<L>, order: L::Order, branch: &Branch, nearest: &Nearest) -> (L, u32) {
+    let sides: [[L; 3]; 2] = [
+        per_axis!(k => L::from_steps(&branch.sides[k][0], order)),
+        per_axis!(k => L::from_steps(&branch.sides[k][1], order)),
+    ];
     let (first, last) = slabs.clip(sides[0], sides[1], L::splat(nearest.t_min), L::splat(nearest.t));
     (first, first.at_most(last).to_bits())
 }

@@ -100,6 +100,19 @@ impl Prepared {
         }
     }
 
+    /// What is added to the near and the far sides of boxes, times the inverse.
+    #[inline(always)]
+    pub(crate) fn facing<L: Eight>(&self) -> [[L; 3]; 2] {
+        let zero = L::splat(0.0);
+        let (lower, upper): ([L; 3], [L; 3]) =
+            (per_axis!(k => L::load(&self.lower[k])), per_axis!(k => L::load(&self.upper[k])));
+        let negative: [L::Mask; 3] = per_axis!(k => L::load(&self.inverse[k]).less(zero));
+        [
+            per_axis!(k => upper[k].or_else(negative[k], lower[k])),
+            per_axis!(k => lower[k].or_else(negative[k], upper[k])),
+        ]
+    }
+
     /// The next ray that waits, with its lane.
     #[inline(always)]
     pub(crate) fn take<L: Eight>(&mut self) -> Option<(usize, Ready<L>)> {
@@ -115,6 +128,7 @@ impl Prepared {
                 upper: per_axis!(k => L::splat(self.upper[k][lane])),
             },
             shear: Shear { origin: per_axis!(k => self.origin[k][lane]), slope: per_axis!(k => self.slope[k][lane]) },
+            order: L::order(self.neg[lane]),
             axes: PERMUTATIONS[usize::from(self.main_axis[lane]).min(2)],
             neg: self.neg[lane],
             nearest: Nearest { t_min: self.t_min[lane], t: self.t_max[lane], u: 0.0, v: 0.0, primitive: u32::MAX },

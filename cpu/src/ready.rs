@@ -10,9 +10,10 @@ use crate::lanes::Eight;
 
 /// A ray, ready to trace.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ready<L> {
+pub(crate) struct Ready<L: Eight> {
     /// The same in every lane.
     pub(crate) slabs: Slabs<L>,
+    pub(crate) order: L::Order,
     pub(crate) shear: Shear<f32>,
     pub(crate) axes: [usize; 3],
     /// Bit k: direction component k is negative.
@@ -33,11 +34,13 @@ impl<L: Eight> Ready<L> {
         // All of the shear's divisions in one.
         let numerators = L::load(&[d[x], d[y], 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
         let slope = (numerators / L::splat(d[z])).to_array();
+        let neg = u32::from(d[0] < 0.0) | u32::from(d[1] < 0.0) << 1 | u32::from(d[2] < 0.0) << 2;
         Self {
             slabs,
+            order: L::order(neg),
             shear: Shear { origin: [o[x], o[y], o[z]], slope: [slope[0], slope[1], slope[2]] },
             axes,
-            neg: u32::from(d[0] < 0.0) | u32::from(d[1] < 0.0) << 1 | u32::from(d[2] < 0.0) << 2,
+            neg,
             nearest: Nearest::new(ray),
             clock: ray.clock,
         }

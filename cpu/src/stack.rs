@@ -36,13 +36,13 @@ impl Stack {
     /// Lets the children wait whose slots are in `met`, a mask; there may be none.
     #[inline(always)]
     pub(crate) fn push<L: Eight>(&mut self, branch: &Branch, neg: u32, first: L, met: u32) {
-        self.put(branch, neg, first, in_order(neg, met));
+        self.put(branch, neg, first, in_order::<L>(neg, met));
     }
 
     /// The nearest of the children whose slots are in `met`, a mask that is not 0; the others wait.
     #[inline(always)]
     pub(crate) fn enter<L: Eight>(&mut self, branch: &Branch, neg: u32, first: L, met: u32) -> u32 {
-        let met = in_order(neg, met);
+        let met = in_order::<L>(neg, met);
         let nearest = (met.trailing_zeros() ^ neg) & 7;
         // Also where there are no others: whether there are cannot be predicted.
         self.put(branch, neg, first, met & met.wrapping_sub(1));
@@ -56,7 +56,7 @@ impl Stack {
         let room = self.len..self.len + BRANCH_WIDTH;
         let children = L::load(bytemuck::cast_ref(&branch.children)).pick(lanes, neg).to_array();
         self.children[room.clone()].copy_from_slice(bytemuck::cast_ref::<_, [u32; BRANCH_WIDTH]>(&children));
-        self.first[room].copy_from_slice(&first.pick(lanes, neg).to_array());
+        self.first[room].copy_from_slice(&first.pick(lanes, if L::IS_BY_SLOT { neg } else { 0 }).to_array());
         self.len += in_order.count_ones() as usize;
     }
 
@@ -72,9 +72,12 @@ impl Stack {
     }
 }
 
-/// A mask of slots with each slot XOR `neg`: low bits are near.
+/// A mask of lanes with each in the ray's order: low bits are near.
 #[inline(always)]
-fn in_order(neg: u32, met: u32) -> u32 {
+pub(crate) fn in_order<L: Eight>(neg: u32, met: u32) -> u32 {
+    if !L::IS_BY_SLOT {
+        return met;
+    }
     u32::from(FLIPPED[neg as usize & 7][met as usize & 0xff])
 }
 
@@ -93,7 +96,7 @@ const FLIPPED: [[u8; 256]; 8] = {
 };
 
 /// Row m: the bits of m from the highest down, then zeros.
-const FARTHEST_FIRST: [[u8; BRANCH_WIDTH]; 256] = {
+pub(crate) const FARTHEST_FIRST: [[u8; BRANCH_WIDTH]; 256] = {
     let mut table = [[0; BRANCH_WIDTH]; 256];
     let mut mask = 0;
     while mask < 256 {

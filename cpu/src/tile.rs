@@ -24,9 +24,10 @@ const PATIENCE: usize = 10 * RAYS;
 const STEPS: f32 = LATTICE as f32;
 
 /// A tile under way.
-pub(crate) struct Tile<'a, L> {
+pub(crate) struct Tile<'a, L: Eight> {
     prepared: &'a [Prepared; PACKETS],
     neg: u32,
+    order: L::Order,
     axes: [usize; 3],
     boxes: BoxTest<L>,
     /// A packet a lane.
@@ -61,6 +62,7 @@ impl<'a, L: Eight> Tile<'a, L> {
         Some(Self {
             prepared,
             neg,
+            order: L::order(neg),
             axes,
             boxes: BoxTest::new(&of_all, axes, z),
             of_packets,
@@ -81,8 +83,8 @@ impl<'a, L: Eight> Tile<'a, L> {
         let mut child = ROOT;
         loop {
             if let Some(branch) = hierarchy.branch(child) {
-                let first = self.entry.of(branch);
-                let met = (self.boxes.may_meet(branch) & first.at_most(L::splat(self.last))).to_bits();
+                let first = self.entry.of(branch, self.order);
+                let met = (self.boxes.may_meet(branch, self.order) & first.at_most(L::splat(self.last))).to_bits();
                 if met != 0 {
                     child = stack.enter(branch, self.neg, first, met);
                     continue;
@@ -209,8 +211,8 @@ impl<L: Eight> Entry<L> {
     }
 
     #[inline(always)]
-    fn of(&self, branch: &Branch) -> L {
-        let distance = L::from_steps(&branch.sides[self.axis][usize::from(self.is_upper)]) - self.origin;
+    fn of(&self, branch: &Branch, order: L::Order) -> L {
+        let distance = L::from_steps(&branch.sides[self.axis][usize::from(self.is_upper)], order) - self.origin;
         self.t_min.max((distance * self.inverse.least).min(distance * self.inverse.greatest))
     }
 }

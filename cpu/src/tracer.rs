@@ -3,7 +3,7 @@
 use leafwalk_core::{Hit, LengthMismatch, Octree, Ray, Tracer, Walk, Work};
 use rayon::prelude::*;
 
-use crate::batch::Batch;
+use crate::batch::{Batch, Scratch};
 use crate::beam::BEAM_MARGIN;
 use crate::hierarchy::Hierarchy;
 use crate::lanes::Registers;
@@ -19,13 +19,13 @@ pub struct CpuTracer<W> {
     octree: Octree<W>,
     registers: Registers,
     beam_margin: f32,
-    is_in_flight: bool,
+    is_streamed: bool,
 }
 
 impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     /// Takes an octree, owned or borrowed.
     pub fn new(octree: Octree<W>) -> Self {
-        Self { octree, registers: Registers::detect(), beam_margin: BEAM_MARGIN, is_in_flight: false }
+        Self { octree, registers: Registers::detect(), beam_margin: BEAM_MARGIN, is_streamed: false }
     }
 
     /// With the registers that the compiler may assume alone, for tests: all give the same bits.
@@ -35,11 +35,11 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
         Self { registers: Registers::Portable, ..self }
     }
 
-    /// With rays always several in flight, whatever the size of the octree, for tests.
+    /// With streams however few rays there are, for tests.
     #[doc(hidden)]
     #[must_use]
-    pub fn in_flight(self) -> Self {
-        Self { is_in_flight: true, ..self }
+    pub fn streamed(self) -> Self {
+        Self { is_streamed: true, ..self }
     }
 
     /// With beams that are wider than their rays by this, in lattice units: too small, and a test has to notice.
@@ -67,9 +67,9 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
 
     fn batches<Q: Question>(&self, rays: &[Ray], answers: &mut [Q::Answer]) -> Result<(), LengthMismatch> {
         let hierarchy = &Hierarchy::of(&self.octree);
-        let Self { beam_margin, is_in_flight, .. } = *self;
-        answer(rays, answers, |rays, answers| {
-            self.registers.run(Batch::<Q> { hierarchy, beam_margin, is_in_flight, rays, answers });
+        let Self { beam_margin, is_streamed, .. } = *self;
+        answer(rays, answers, Scratch::new, |scratch, rays, answers| {
+            self.registers.run(Batch::<Q> { hierarchy, beam_margin, is_streamed, scratch, rays, answers });
         })
     }
 
@@ -79,23 +79,31 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     /// When the slices differ in length.
     pub fn closest_hits_with_work(&self, rays: &[Ray], answers: &mut [(Hit, Work)]) -> Result<(), LengthMismatch> {
         let parts = self.octree.parts();
-        answer(rays, answers, |rays, answers| {
-            let walk = Walk::new(&parts);
-            for (ray, answer) in rays.iter().zip(answers) {
-                let (hit, work) = walk.closest_hit_with_work(ray);
-                *answer = (hit.unwrap_or(Hit::MISS), work);
-            }
-        })
+        answer(
+            rays,
+            answers,
+            || (),
+            |(), rays, answers| {
+                let walk = Walk::new(&parts);
+                for (ray, answer) in rays.iter().zip(answers) {
+                    let (hit, work) = walk.closest_hit_with_work(ray);
+                    *answer = (hit.unwrap_or(Hit::MISS), work);
+                }
+            },
+        )
     }
 }
 
-fn answer<A: Send>(
+/// Shares rays out; `scratch` makes what a thread keeps from one task to the next.
+fn answer<A: Send, S>(
     rays: &[Ray],
     answers: &mut [A],
-    trace: impl Fn(&[Ray], &mut [A]) + Sync,
+    scratch: impl Fn() -> S + Sync + Send,
+    trace: impl Fn(&mut S, &[Ray], &mut [A]) + Sync + Send,
 ) -> Result<(), LengthMismatch> {
     LengthMismatch::check(rays.len(), answers.len())?;
-    rays.par_chunks(CHUNK).zip(answers.par_chunks_mut(CHUNK)).for_each(|(rays, answers)| trace(rays, answers));
+    let tasks = rays.par_chunks(CHUNK).zip(answers.par_chunks_mut(CHUNK));
+    tasks.for_each_init(scratch, |scratch, (rays, answers)| trace(scratch, rays, answers));
     Ok(())
 }
 

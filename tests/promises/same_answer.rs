@@ -71,10 +71,10 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
     let batches = CpuTracer::new(scene.octree.view());
     let portable = batches.clone().portable();
     let (singles, portable_singles) = (OneByOne(&batches), OneByOne(&portable));
-    let (in_flight, portable_in_flight) = (batches.clone().in_flight(), portable.clone().in_flight());
+    let (streamed, portable_streamed) = (batches.clone().streamed(), portable.clone().streamed());
     let scalar: [Any<'_>; 3] = [&scene.octree, &slab, &pluecker];
-    let lanes: [Any<'_>; 3] = [&batches, &singles, &in_flight];
-    let portable_lanes: [Any<'_>; 3] = [&portable, &portable_singles, &portable_in_flight];
+    let lanes: [Any<'_>; 3] = [&batches, &singles, &streamed];
+    let portable_lanes: [Any<'_>; 3] = [&portable, &portable_singles, &portable_streamed];
     let tracers = [scalar, lanes, portable_lanes].concat();
     differences(&tracers, &scene.brute_force, &hard(mesh), scaled(count), seed).passes(name, 0.05);
     let (centre, size) = rays::extent(mesh);

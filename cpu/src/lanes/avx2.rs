@@ -183,14 +183,32 @@ impl Lanes for Avx2 {
 
 impl Eight for Avx2 {
     const PREFETCHES: bool = true;
+    const IS_BY_SLOT: bool = false;
+    type Order = Avx2Bits;
 
     #[inline(always)]
     fn load(values: &[f32; 8]) -> Self {
         Self(unsafe { _mm256_loadu_ps(values.as_ptr()) })
     }
     #[inline(always)]
-    fn from_steps(steps: &[u16; 8]) -> Self {
-        Self(unsafe { _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(steps.as_ptr().cast()))) })
+    fn order(neg: u32) -> Avx2Bits {
+        // Of each lane, the two bytes of its slot, then zeros: where a byte's number is negative.
+        let slots =
+            unsafe { _mm256_xor_si256(_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), _mm256_set1_epi32(neg as i32)) };
+        let low = unsafe { _mm256_add_epi32(slots, slots) };
+        Avx2Bits(unsafe {
+            _mm256_or_si256(
+                _mm256_or_si256(low, _mm256_slli_epi32::<8>(low)),
+                _mm256_set1_epi32(0x8080_0100_u32 as i32),
+            )
+        })
+    }
+    #[inline(always)]
+    fn from_steps(steps: &[u16; 8], order: Avx2Bits) -> Self {
+        Self(unsafe {
+            let steps = _mm256_broadcastsi128_si256(_mm_loadu_si128(steps.as_ptr().cast()));
+            _mm256_cvtepi32_ps(_mm256_shuffle_epi8(steps, order.0))
+        })
     }
     #[inline(always)]
     fn pick(self, lanes: &[u8; 8], flip: u32) -> Self {

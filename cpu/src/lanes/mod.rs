@@ -16,8 +16,14 @@ pub(crate) trait Eight: Lanes {
     const PREFETCHES: bool;
     /// One number a lane.
     fn load(values: &[f32; 8]) -> Self;
-    /// One lattice step a lane, as numbers.
-    fn from_steps(steps: &[u16; 8]) -> Self;
+    /// In which order a ray looks at the slots of branches.
+    type Order: Copy + core::fmt::Debug;
+    /// The lane of a slot is the slot, not its place in the ray's order.
+    const IS_BY_SLOT: bool;
+    /// Slot i comes at place i XOR `neg`, which is below 8.
+    fn order(neg: u32) -> Self::Order;
+    /// Lattice steps as numbers: those of slots, in the ray's order or not (see [`Eight::IS_BY_SLOT`]).
+    fn from_steps(steps: &[u16; 8], order: Self::Order) -> Self;
     /// Lane i: what lane `lanes[i]` XOR `flip` holds, both below 8. It need not be a number.
     fn pick(self, lanes: &[u8; 8], flip: u32) -> Self;
     /// Row i, lane k: row k, lane i.

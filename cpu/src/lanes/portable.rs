@@ -141,13 +141,17 @@ impl Lanes for Portable {
 
 impl Eight for Portable {
     const PREFETCHES: bool = false;
+    const IS_BY_SLOT: bool = true;
+    type Order = ();
 
     #[inline(always)]
     fn load(values: &[f32; 8]) -> Self {
         Self(f32x8::new(*values))
     }
     #[inline(always)]
-    fn from_steps(steps: &[u16; 8]) -> Self {
+    fn order(_: u32) {}
+    #[inline(always)]
+    fn from_steps(steps: &[u16; 8], (): ()) -> Self {
         Self::from_integers(PortableBits(u32x8::new(steps.map(u32::from))))
     }
     #[inline(always)]
