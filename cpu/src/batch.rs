@@ -3,9 +3,9 @@
 
 use core::ops::Range;
 
-use leafwalk_core::Ray;
+use leafwalk_core::{Frame, Ray};
 
-use crate::hierarchy::Hierarchy;
+use crate::hierarchy::{Hierarchy, Source};
 use crate::lanes::{Eight, Kernel, eight_times};
 use crate::prepare::{PACKETS, Prepared};
 use crate::question::Question;
@@ -21,8 +21,8 @@ const LEAST_RUN: usize = 32;
 const LARGE: usize = 1 << 20;
 
 /// A batch of rays to answer.
-pub(crate) struct Batch<'a, Q: Question> {
-    pub(crate) hierarchy: &'a Hierarchy<'a>,
+pub(crate) struct Batch<'a, B, Q: Question> {
+    pub(crate) hierarchy: &'a Hierarchy<'a, B>,
     pub(crate) beam_margin: f32,
     /// Whatever the size of the hierarchy.
     pub(crate) is_in_flight: bool,
@@ -30,7 +30,7 @@ pub(crate) struct Batch<'a, Q: Question> {
     pub(crate) answers: &'a mut [Q::Answer],
 }
 
-impl<Q: Question> Kernel for Batch<'_, Q> {
+impl<B: Source, Q: Question> Kernel for Batch<'_, B, Q> {
     type Output = ();
 
     #[inline(always)]
@@ -50,12 +50,12 @@ impl<Q: Question> Kernel for Batch<'_, Q> {
             at = run.end;
             let mut is_traced = false;
             if !run.is_empty() && patience.tries() {
-                let prepared = prepare::<L>(hierarchy, &rays[run.clone()]);
+                let prepared = prepare::<L>(&hierarchy.frame, &rays[run.clone()]);
                 if let Some(mut tile) = Tile::<L>::new(&prepared, beam_margin) {
                     is_traced = if Q::ANY {
-                        tile.trace::<true>(hierarchy, &mut stack)
+                        tile.trace::<B, true>(hierarchy, &mut stack)
                     } else {
-                        tile.trace::<false>(hierarchy, &mut stack)
+                        tile.trace::<B, false>(hierarchy, &mut stack)
                     };
                     patience.learns(is_traced);
                     if is_traced {
@@ -70,9 +70,9 @@ impl<Q: Question> Kernel for Batch<'_, Q> {
             }
             let alone = from..if is_traced { run.start } else { at };
             if is_in_flight {
-                stream::<L, Q>(hierarchy, &rays[alone.clone()], &mut answers[alone]);
+                stream::<L, B, Q>(hierarchy, &rays[alone.clone()], &mut answers[alone]);
             } else {
-                sequence::<L, Q>(hierarchy, &rays[alone.clone()], &mut answers[alone], &mut stack);
+                sequence::<L, B, Q>(hierarchy, &rays[alone.clone()], &mut answers[alone], &mut stack);
             }
             from = at;
         }
@@ -126,8 +126,8 @@ fn octant(ray: &Ray) -> u32 {
 
 /// The rays of a tile, the last of them repeated until it is full.
 #[inline(always)]
-fn prepare<L: Eight>(hierarchy: &Hierarchy<'_>, rays: &[Ray]) -> [Prepared; PACKETS] {
+fn prepare<L: Eight>(frame: &Frame, rays: &[Ray]) -> [Prepared; PACKETS] {
     let mut full = [rays[rays.len() - 1]; RAYS];
     full[..rays.len()].copy_from_slice(rays);
-    eight_times!(packet => Prepared::of::<L>(&hierarchy.frame, &full[8 * packet..8 * packet + 8]))
+    eight_times!(packet => Prepared::of::<L>(frame, &full[8 * packet..8 * packet + 8]))
 }

@@ -1,11 +1,11 @@
 //! `CpuTracer`: batches of rays on every core.
 
-use leafwalk_core::{Hit, LengthMismatch, Octree, Ray, Tracer, Walk, Work};
+use leafwalk_core::{Blocks, Hit, LengthMismatch, Octree, Ray, Tracer, Walk, Work};
 use rayon::prelude::*;
 
 use crate::batch::Batch;
 use crate::beam::BEAM_MARGIN;
-use crate::hierarchy::Hierarchy;
+use crate::hierarchy::{Hierarchy, Source};
 use crate::lanes::Registers;
 use crate::question::{Closest, Occluded, Question};
 use crate::single;
@@ -56,20 +56,44 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
 
     /// The closest hit of one ray, on this thread.
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let hit = single::answer::<Closest>(self.registers, &Hierarchy::of(&self.octree), ray);
+        let hit = self.single::<Closest>(ray);
         (!hit.is_miss()).then_some(hit)
     }
 
     /// Whether one ray hits anything, on this thread.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        single::answer::<Occluded>(self.registers, &Hierarchy::of(&self.octree), ray)
+        self.single::<Occluded>(ray)
+    }
+
+    #[inline]
+    fn single<Q: Question>(&self, ray: &Ray) -> Q::Answer {
+        match self.octree.blocks() {
+            Blocks::Packed(blocks) => {
+                single::answer::<_, Q>(self.registers, &Hierarchy::new(&self.octree, blocks), ray)
+            }
+            Blocks::Indexed(blocks) => {
+                single::answer::<_, Q>(self.registers, &Hierarchy::new(&self.octree, blocks), ray)
+            }
+        }
     }
 
     fn batches<Q: Question>(&self, rays: &[Ray], answers: &mut [Q::Answer]) -> Result<(), LengthMismatch> {
-        let hierarchy = &Hierarchy::of(&self.octree);
+        match self.octree.blocks() {
+            Blocks::Packed(blocks) => self.batches_in::<_, Q>(blocks, rays, answers),
+            Blocks::Indexed(blocks) => self.batches_in::<_, Q>(blocks, rays, answers),
+        }
+    }
+
+    fn batches_in<B: Source, Q: Question>(
+        &self,
+        blocks: B,
+        rays: &[Ray],
+        answers: &mut [Q::Answer],
+    ) -> Result<(), LengthMismatch> {
+        let hierarchy = &Hierarchy::new(&self.octree, blocks);
         let Self { beam_margin, is_in_flight, .. } = *self;
         answer(rays, answers, |rays, answers| {
-            self.registers.run(Batch::<Q> { hierarchy, beam_margin, is_in_flight, rays, answers });
+            self.registers.run(Batch::<B, Q> { hierarchy, beam_margin, is_in_flight, rays, answers });
         })
     }
 
