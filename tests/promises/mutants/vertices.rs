@@ -14,10 +14,10 @@ fn one_vertex_number_off() {
     let right = Builder::new().compact().build(&mesh).expect("a mesh that builds");
     let oracle = Every::<f32>::of(&right);
     let valid = Edited::new(&right);
-    // In the later blocks most vertices were named before, so that the decoder has nothing to say.
-    let last = valid.clone().indexed_blocks().len() - 1;
-    let wrong = (0..3).find_map(|corner| {
-        let edited = valid.decode_with(|file| file.indexed_blocks()[last].numbers[corner][0] ^= 1);
+    // Where a vertex was named before, and the other one, too, the decoder has nothing to say.
+    let blocks = valid.clone().indexed_blocks().len();
+    let wrong = (0..24 * blocks).rev().find_map(|i| {
+        let edited = valid.decode_with(|file| file.indexed_blocks()[i / 24].numbers[i % 3][i % 24 / 3] ^= 1);
         edited.ok()
     });
     let wrong = wrong.expect("a number that decodes");
