@@ -39,12 +39,12 @@ pub(crate) fn all(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
         ("8", Calls::Eight, INCOHERENT),
         ("8 coherent", Calls::Eight, COHERENT),
     ];
-    if Device::new().property(NATIVE_RAY16) == 1 {
+    let scenes = SETTINGS.map(|(_, flags, _)| Rc::new(Scene::new(mesh, flags).0));
+    if scenes[0].device.property(NATIVE_RAY16) == 1 {
         ways.push(("16 coherent", Calls::Sixteen, COHERENT));
     }
     let mut rivals: Vec<Box<dyn Rival>> = Vec::new();
-    for (setting, scene_flags, family) in SETTINGS {
-        let scene = Rc::new(Scene::new(mesh, scene_flags).0);
+    for ((setting, scene_flags, family), scene) in SETTINGS.into_iter().zip(scenes) {
         for &(way, calls, flags) in &ways {
             let name = format!("embree {setting}{way}");
             rivals.push(Box::new(Embree { name, family, scene: Rc::clone(&scene), scene_flags, calls, flags }));
