@@ -92,6 +92,26 @@ fn settings_reach_the_builder() {
 }
 
 #[test]
+fn a_compact_octree_answers_as_a_packed_one() {
+    let shell = with_octree();
+    let packed = shell.json("info sphere.lwk");
+    let built = shell.json("build sphere.obj -o compact.lwk --compact");
+    let compact = shell.json("info compact.lwk");
+    assert_eq!((&packed["compact"], &compact["compact"]), (&false.into(), &true.into()));
+    assert_eq!((&compact["triangles"], &compact["references"]), (&packed["triangles"], &packed["references"]));
+    let bytes = [&compact, &packed].map(|info| info["bytes"].as_u64().expect("a number"));
+    assert!(5 * bytes[0] < 3 * bytes[1] && built["bytes"] == bytes[0], "{bytes:?}");
+
+    assert_eq!(shell.json("verify compact.lwk sphere.obj")["triangles"], packed["triangles"]);
+    shell.run("trace sphere.lwk rays.csv -o packed.csv").assert_code(0);
+    shell.run("trace compact.lwk rays.csv -o compact.csv").assert_code(0);
+    assert_eq!(shell.read("packed.csv"), shell.read("compact.csv"));
+    shell.run("render sphere.lwk -o packed.png --size 64x48").assert_code(0);
+    shell.run("render compact.lwk -o compact.png --size 64x48").assert_code(0);
+    assert_eq!(shell.read("packed.png"), shell.read("compact.png"));
+}
+
+#[test]
 fn lost_detail_is_warned_of() {
     let shell = Shell::new();
     // The second triangle is a millionth of a millionth of the first.

@@ -14,8 +14,8 @@ mod packet;
 mod scene;
 
 use binding::{
-    Align16, Align32, Align64, COHERENT, Context, INCOHERENT, INVALID, NATIVE_RAY16, RayHits, Rays, VERSION,
-    rtcIntersect1M, rtcOccluded1M,
+    Align16, Align32, Align64, COHERENT, COMPACT, Context, INCOHERENT, INVALID, NATIVE_RAY16, NO_FLAGS, ROBUST,
+    RayHits, Rays, VERSION, rtcIntersect1M, rtcOccluded1M,
 };
 use packet::Packet;
 use scene::{Device, Scene};
@@ -23,23 +23,34 @@ use scene::{Device, Scene};
 /// One ray a call.
 pub(crate) const SINGLE: &str = "embree single";
 
-/// All ways to call Embree on this machine, by default and ROBUST.
+/// What a scene may be built under: as names say it, Embree's flags, and whose it is.
+const SETTINGS: [(&str, c_int, Family); 3] = [
+    ("", NO_FLAGS, Family::Embree),
+    ("ROBUST ", ROBUST, Family::EmbreeRobust),
+    ("COMPACT ", COMPACT, Family::EmbreeCompact),
+];
+
+/// All ways to call Embree on this machine, by default, ROBUST and COMPACT.
 pub(crate) fn all(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
     let mut ways = vec![
-        ([SINGLE, "embree ROBUST single"], Calls::Single, INCOHERENT),
-        (["embree stream", "embree ROBUST stream"], Calls::Stream, INCOHERENT),
-        (["embree stream coherent", "embree ROBUST stream coherent"], Calls::Stream, COHERENT),
-        (["embree 8", "embree ROBUST 8"], Calls::Eight, INCOHERENT),
-        (["embree 8 coherent", "embree ROBUST 8 coherent"], Calls::Eight, COHERENT),
+        ("single", Calls::Single, INCOHERENT),
+        ("stream", Calls::Stream, INCOHERENT),
+        ("stream coherent", Calls::Stream, COHERENT),
+        ("8", Calls::Eight, INCOHERENT),
+        ("8 coherent", Calls::Eight, COHERENT),
     ];
-    let scenes = [false, true].map(|robust| Rc::new(Scene::new(mesh, robust).0));
+    let scenes = SETTINGS.map(|(_, flags, _)| Rc::new(Scene::new(mesh, flags).0));
     if scenes[0].device.property(NATIVE_RAY16) == 1 {
-        ways.push((["embree 16 coherent", "embree ROBUST 16 coherent"], Calls::Sixteen, COHERENT));
+        ways.push(("16 coherent", Calls::Sixteen, COHERENT));
     }
-    let rival = |i: usize, (names, calls, flags): ([&'static str; 2], Calls, c_int)| -> Box<dyn Rival> {
-        Box::new(Embree { name: names[i], scene: Rc::clone(&scenes[i]), calls, flags })
-    };
-    (0..2).flat_map(|i| ways.iter().map(move |way| (i, *way))).map(|(i, way)| rival(i, way)).collect()
+    let mut rivals: Vec<Box<dyn Rival>> = Vec::new();
+    for ((setting, scene_flags, family), scene) in SETTINGS.into_iter().zip(scenes) {
+        for &(way, calls, flags) in &ways {
+            let name = format!("embree {setting}{way}");
+            rivals.push(Box::new(Embree { name, family, scene: Rc::clone(&scene), scene_flags, calls, flags }));
+        }
+    }
+    rivals
 }
 
 /// The version of the library that is linked, such as 31305.
@@ -120,8 +131,10 @@ enum Calls {
 }
 
 struct Embree {
-    name: &'static str,
+    name: String,
+    family: Family,
     scene: Rc<Scene>,
+    scene_flags: c_int,
     calls: Calls,
     flags: c_int,
 }
@@ -135,17 +148,16 @@ impl Embree {
 
 impl Rival for Embree {
     fn name(&self) -> &str {
-        self.name
+        &self.name
     }
     fn family(&self) -> Family {
-        if self.name.contains("ROBUST") { Family::EmbreeRobust } else { Family::Embree }
+        self.family
     }
     fn bytes(&self) -> Option<usize> {
         Some(self.scene.bytes)
     }
     fn rebuild(&self, mesh: &Mesh) -> Option<Duration> {
-        let robust = self.family() == Family::EmbreeRobust;
-        (self.calls == Calls::Single).then(|| Scene::new(mesh, robust).1)
+        (self.calls == Calls::Single).then(|| Scene::new(mesh, self.scene_flags).1)
     }
     fn closest<'a>(&'a self, rays: &'a [Ray]) -> Box<dyn Prepared<Answer> + 'a> {
         match self.calls {

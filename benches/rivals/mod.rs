@@ -45,6 +45,9 @@ pub(crate) enum Family {
     /// Embree with its flag ROBUST.
     #[cfg(feature = "embree")]
     EmbreeRobust,
+    /// Embree with its flag COMPACT.
+    #[cfg(feature = "embree")]
+    EmbreeCompact,
     /// The crate obvhs.
     Obvhs,
     /// The crate parry3d.

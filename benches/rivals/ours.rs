@@ -12,14 +12,18 @@ use super::{Answer, Family, Prepared, Rival, timed};
 pub(crate) const DEFAULT: &str = "leafwalk";
 /// One ray a call.
 pub(crate) const SINGLE: &str = "leafwalk single";
+/// Over a compact octree.
+const COMPACT: &str = "leafwalk compact";
 
-/// All tracers of ours, over an octree. A further one takes a line here.
-pub(crate) fn all(octree: &Octree<Vec<u32>>) -> Vec<Box<dyn Rival + '_>> {
+/// All tracers of ours, over an octree and the compact one of the same mesh. A further one takes a line here.
+pub(crate) fn all<'a>(octree: &'a Octree<Vec<u32>>, compact: &'a Octree<Vec<u32>>) -> Vec<Box<dyn Rival + 'a>> {
     let view = octree.view();
     vec![
         ours(DEFAULT, octree, CpuTracer::new(view.clone())),
         ours("leafwalk scalar", octree, view.clone()),
         ours(SINGLE, octree, Single(CpuTracer::new(view))),
+        ours(COMPACT, compact, CpuTracer::new(compact.view())),
+        ours("leafwalk compact single", compact, Single(CpuTracer::new(compact.view()))),
     ]
 }
 
@@ -44,7 +48,12 @@ impl<T: Tracer> Rival for Ours<T> {
         Some(self.bytes)
     }
     fn rebuild(&self, mesh: &Mesh) -> Option<Duration> {
-        (self.name == DEFAULT).then(|| timed(|| Builder::new().build(mesh).is_ok()).1)
+        let builder = match self.name {
+            DEFAULT => Builder::new(),
+            COMPACT => Builder::new().compact(),
+            _ => return None,
+        };
+        Some(timed(|| builder.build(mesh).is_ok()).1)
     }
     fn closest<'a>(&'a self, rays: &'a [Ray]) -> Box<dyn Prepared<Answer> + 'a> {
         Box::new(Batch { tracer: &self.tracer, rays, answers: vec![Hit::MISS; rays.len()] })

@@ -129,6 +129,7 @@ fn scenes(names: &[String]) -> Vec<(String, Mesh, bool)> {
 
 fn measure(arguments: &Arguments, scene: &str, mesh: &Mesh, inside: bool, report: &mut Report) {
     let octree = Builder::new().build(mesh).expect("a mesh that builds");
+    let compact = Builder::new().compact().build(mesh).expect("a mesh that builds");
     let triangles = mesh.triangles.len();
     let stats = octree.stats();
     println!(
@@ -136,7 +137,7 @@ fn measure(arguments: &Arguments, scene: &str, mesh: &Mesh, inside: bool, report
         f64::from(stats.references) / triangles as f64,
         stats.leaves
     );
-    let mut tracers = ours::all(&octree);
+    let mut tracers = ours::all(&octree, &compact);
     tracers.extend(rivals(mesh).into_iter().filter(|rival| arguments.wants(rival.name())));
     for row in builds::run(arguments.build_rounds, scene, mesh, &tracers) {
         report.add(row);

@@ -99,7 +99,14 @@ pub enum DecodeError {
         /// Number of the branch.
         branch: u32,
     },
-    /// A block holds a coordinate outside the root or a primitive out of range.
+    /// There are both packed and indexed blocks.
+    BlocksTwice,
+    /// A vertex of a compact octree lies outside the root.
+    BadVertex {
+        /// Its number.
+        vertex: u32,
+    },
+    /// A block holds a coordinate outside the root, a primitive out of range, or vertices out of range or turn.
     BadBlock {
         /// Block number.
         block: u32,
@@ -180,8 +187,10 @@ impl fmt::Display for DecodeError {
             Self::BadBranch { branch } => write!(f, "branch {branch} is inconsistent"),
             Self::BadPayload { payload } => write!(f, "payload {payload} is inconsistent"),
             Self::BadBlock { block, lane } => {
-                write!(f, "block {block}, lane {lane}: coordinate or primitive out of range")
+                write!(f, "block {block}, lane {lane}: coordinate, vertex or primitive out of range")
             }
+            Self::BadVertex { vertex } => write!(f, "vertex {vertex} has a coordinate out of range"),
+            Self::BlocksTwice => write!(f, "both packed and indexed blocks: build the octree anew"),
             Self::BadGrid { entry } => write!(f, "entry {entry} of the grid leads elsewhere"),
         }
     }

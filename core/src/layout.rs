@@ -63,6 +63,10 @@ pub const BRANCH_WORDS: usize = 32;
 pub const MAX_DEPTH: usize = 24;
 /// Words a block.
 pub const BLOCK_WORDS: usize = 80;
+/// Words an indexed block.
+pub const INDEXED_BLOCK_WORDS: usize = 21;
+/// Words a vertex.
+pub const VERTEX_WORDS: usize = 3;
 /// Sections start at multiples of this many words: one cache line.
 pub const SECTION_ALIGN: usize = 16;
 
@@ -363,8 +367,30 @@ pub struct Block {
 }
 
 impl Block {
+    /// Without a triangle.
+    pub const VACANT: Self = Self { vertices: [[[0.0; BLOCK_WIDTH]; 3]; 3], primitives: [NONE; BLOCK_WIDTH] };
+
+    /// Primitive and corners of each lane that is not vacant.
+    pub fn triangles(self) -> impl Iterator<Item = (u32, [[f32; 3]; 3])> {
+        let lanes = (0..BLOCK_WIDTH).filter(move |lane| self.primitives[*lane] != NONE);
+        lanes.map(move |lane| (self.primitives[lane], self.corners(lane)))
+    }
+
     /// The three corners of a lane.
     pub fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
         self.vertices.map(|corner| corner.map(|axis| axis[lane]))
     }
+}
+
+/// Eight triangles by the numbers of their vertices, 84 bytes: a block of a compact octree. Vacant lanes are as in
+/// [`Block`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct IndexedBlock {
+    /// The triangle of each lane, or [`NONE`].
+    pub primitives: [u32; BLOCK_WIDTH],
+    /// The vertex that the others are counted from.
+    pub base: u32,
+    /// Corner, lane: the number of its vertex, less `base`.
+    pub numbers: [[u16; BLOCK_WIDTH]; 3],
 }

@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 mod axes;
+mod blocks;
 pub mod boxes;
 pub mod canonical;
 mod error;
@@ -26,6 +27,7 @@ pub mod triangle;
 mod validate;
 pub mod wire;
 
+pub use blocks::{Blocks, Indexed};
 pub use error::{DecodeError, RecordFault};
 pub use frame::Frame;
 pub use nearest::Nearest;

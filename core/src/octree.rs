@@ -1,8 +1,9 @@
 //! `Octree`: serialized words that were validated once, and what they hold.
 
+use crate::blocks::{Blocks, Indexed};
 use crate::error::DecodeError;
 use crate::frame::Frame;
-use crate::layout::{Block, Branch, Key, MAX_LEVEL, Payload, Record};
+use crate::layout::{Branch, Key, MAX_LEVEL, Payload, Record};
 use crate::policy::{Policy, Standard};
 use crate::wire::{Header, Section, Spans};
 use crate::{validate, wire};
@@ -77,8 +78,19 @@ impl<W: AsRef<[u32]>> Octree<W> {
 
     /// The triangles, eight by eight.
     #[inline]
-    pub fn blocks(&self) -> &[Block] {
-        self.section(Section::Blocks)
+    pub fn blocks(&self) -> Blocks<'_> {
+        if self.is_compact() {
+            let (blocks, vertices) = (self.section(Section::IndexedBlocks), self.section(Section::Vertices));
+            Blocks::Indexed(Indexed { blocks, vertices })
+        } else {
+            Blocks::Packed(self.section(Section::Blocks))
+        }
+    }
+
+    /// Whether its blocks name their vertices by number: fewer bytes, and slower to trace.
+    #[inline]
+    pub fn is_compact(&self) -> bool {
+        self.spans[Section::IndexedBlocks as usize].1 > 0
     }
 
     #[inline]
@@ -131,7 +143,7 @@ pub struct Parts<'a> {
     /// What non-empty leaves list.
     pub payloads: &'a [Payload],
     /// The triangles.
-    pub blocks: &'a [Block],
+    pub blocks: Blocks<'a>,
     /// The hierarchy over the blocks.
     pub branches: &'a [Branch],
     /// Record numbers of the entry grid, x fastest.
@@ -159,7 +171,7 @@ impl<'a> Parts<'a> {
         records: &[],
         keys: &[],
         payloads: &[],
-        blocks: &[],
+        blocks: Blocks::EMPTY,
         branches: &[],
         grid: &[],
         materials: &[],
@@ -168,13 +180,16 @@ impl<'a> Parts<'a> {
     pub(crate) fn new(words: &'a [u32], spans: &Spans) -> Result<Self, DecodeError> {
         let header: &[Header] = slice(words, spans, Section::Header)?;
         let &[header] = header else { return Err(wrong_length(spans, Section::Header)) };
+        let (indexed, vertices) = (Section::IndexedBlocks, Section::Vertices);
+        let indexed = Indexed { blocks: slice(words, spans, indexed)?, vertices: slice(words, spans, vertices)? };
+        let blocks = Blocks::new(slice(words, spans, Section::Blocks)?, indexed)?;
         Ok(Self {
             header,
             frame: header.frame(),
             records: slice(words, spans, Section::Records)?,
             keys: slice(words, spans, Section::Keys)?,
             payloads: slice(words, spans, Section::Payloads)?,
-            blocks: slice(words, spans, Section::Blocks)?,
+            blocks,
             branches: slice(words, spans, Section::Branches)?,
             grid: slice(words, spans, Section::Grid)?,
             materials: slice(words, spans, Section::Materials)?,
@@ -206,16 +221,7 @@ impl<'a> Parts<'a> {
     /// The triangles of a leaf, as (primitive, corners in lattice units).
     pub fn triangles_of(&self, leaf: &Record) -> impl Iterator<Item = (u32, [[f32; 3]; 3])> + use<'a> {
         let blocks = self.blocks;
-        let in_payload = move |payload: &Payload| {
-            let first = payload.first as usize;
-            blocks[first..first + payload.count as usize].iter()
-        };
-        let lanes = |block: &'a Block| (0..block.primitives.len()).map(move |lane| (block, lane));
-        self.payloads_of(leaf)
-            .flat_map(in_payload)
-            .flat_map(lanes)
-            .filter(|(block, lane)| block.primitives[*lane] != crate::layout::NONE)
-            .map(|(block, lane)| (block.primitives[lane], block.corners(lane)))
+        self.payloads_of(leaf).flat_map(move |payload| blocks.of(payload)).flat_map(|block| block.triangles())
     }
 
     fn bounds(&self) -> Aabb {

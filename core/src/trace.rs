@@ -155,6 +155,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         search: &mut Search<'_>,
     ) {
         let mut payload = &self.parts.payloads[first as usize];
+        let mut room = None;
         if !search.meets(slabs, payload) {
             return;
         }
@@ -162,8 +163,9 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
             let met = search.blocks_met(slabs, payload);
             for b in (0..payload.count).filter(|b| met >> b & 1 == 1) {
                 search.work.blocks += 1;
-                let block = &self.parts.blocks[(payload.first + b) as usize];
-                search.test_block::<ANY, P>(block, shear, axes);
+                if let Some(block) = self.parts.blocks.get((payload.first + b) as usize, &mut room) {
+                    search.test_block::<ANY, P>(block, shear, axes);
+                }
             }
             match self.parts.payloads.get(payload.next as usize) {
                 Some(next) => payload = next,

@@ -29,8 +29,12 @@ pub enum Section {
     Keys,
     /// [`crate::layout::Payload`]s, leaf after leaf, depth first.
     Payloads,
-    /// [`crate::layout::Block`]s, leaf after leaf, depth first.
+    /// [`crate::layout::Block`]s, leaf after leaf, depth first; empty in a compact octree.
     Blocks,
+    /// In a compact octree, [`crate::layout::IndexedBlock`]s instead, in the same order.
+    IndexedBlocks,
+    /// Their vertices in lattice units, three numbers each, in the order in which the blocks first name them.
+    Vertices,
     /// [`crate::layout::Branch`]es: the first, then, depth first, those that each leads to by slot.
     Branches,
     /// The entry grid: one record number a grid cell, x fastest.
@@ -41,12 +45,14 @@ pub enum Section {
 
 impl Section {
     /// All of them, in file order.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Header,
         Self::Records,
         Self::Keys,
         Self::Payloads,
         Self::Blocks,
+        Self::IndexedBlocks,
+        Self::Vertices,
         Self::Branches,
         Self::Grid,
         Self::Materials,
@@ -60,6 +66,8 @@ impl Section {
             Self::Keys => *b"keys",
             Self::Payloads => *b"payl",
             Self::Blocks => *b"blks",
+            Self::IndexedBlocks => *b"iblk",
+            Self::Vertices => *b"vert",
             Self::Branches => *b"brch",
             Self::Grid => *b"grid",
             Self::Materials => *b"mats",
@@ -74,6 +82,8 @@ impl Section {
             Self::Keys => "keys",
             Self::Payloads => "payloads",
             Self::Blocks => "blocks",
+            Self::IndexedBlocks => "indexed blocks",
+            Self::Vertices => "vertices",
             Self::Branches => "branches",
             Self::Grid => "entry grid",
             Self::Materials => "materials",

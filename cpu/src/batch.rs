@@ -3,10 +3,10 @@
 
 use core::ops::Range;
 
-use leafwalk_core::Ray;
+use leafwalk_core::{Frame, Ray};
 
 use crate::flights::fly;
-use crate::hierarchy::Hierarchy;
+use crate::hierarchy::{Hierarchy, Source};
 use crate::lanes::{Eight, Kernel, eight_times};
 use crate::prepare::{PACKETS, Prepared};
 use crate::question::Question;
@@ -23,8 +23,8 @@ const LEAST_STREAM: usize = 64;
 const LEAST_SHARE: f32 = 3.0;
 
 /// A batch of rays to answer.
-pub(crate) struct Batch<'a, Q: Question> {
-    pub(crate) hierarchy: &'a Hierarchy<'a>,
+pub(crate) struct Batch<'a, B, Q: Question> {
+    pub(crate) hierarchy: &'a Hierarchy<'a, B>,
     pub(crate) beam_margin: f32,
     pub(crate) is_streamed: bool,
     pub(crate) scratch: &'a mut Scratch,
@@ -32,7 +32,7 @@ pub(crate) struct Batch<'a, Q: Question> {
     pub(crate) answers: &'a mut [Q::Answer],
 }
 
-impl<Q: Question> Kernel for Batch<'_, Q> {
+impl<B: Source, Q: Question> Kernel for Batch<'_, B, Q> {
     type Output = ();
 
     #[inline(always)]
@@ -51,12 +51,12 @@ impl<Q: Question> Kernel for Batch<'_, Q> {
             at = run.end;
             let mut is_traced = false;
             if !run.is_empty() && patience.tries() {
-                let prepared = prepare::<L>(hierarchy, &rays[run.clone()]);
+                let prepared = prepare::<L>(&hierarchy.frame, &rays[run.clone()]);
                 if let Some(mut tile) = Tile::<L>::new(&prepared, beam_margin) {
                     is_traced = if Q::ANY {
-                        tile.trace::<true>(hierarchy, &mut stack)
+                        tile.trace::<B, true>(hierarchy, &mut stack)
                     } else {
-                        tile.trace::<false>(hierarchy, &mut stack)
+                        tile.trace::<B, false>(hierarchy, &mut stack)
                     };
                     patience.learns(is_traced);
                     if is_traced {
@@ -70,7 +70,7 @@ impl<Q: Question> Kernel for Batch<'_, Q> {
                 continue;
             }
             let alone = from..if is_traced { run.start } else { at };
-            scratch.answer::<L, Q>(hierarchy, is_streamed, &rays[alone.clone()], &mut answers[alone], &mut stack);
+            scratch.answer::<L, B, Q>(hierarchy, is_streamed, &rays[alone.clone()], &mut answers[alone], &mut stack);
             from = at;
         }
     }
@@ -91,22 +91,22 @@ impl Scratch {
 
     /// Answers rays that no tile holds; always by a stream, if tests ask for it.
     #[inline(always)]
-    fn answer<L: Eight, Q: Question>(
+    fn answer<L: Eight, B: Source, Q: Question>(
         &mut self,
-        hierarchy: &Hierarchy<'_>,
+        hierarchy: &Hierarchy<'_, B>,
         is_streamed: bool,
         rays: &[Ray],
         answers: &mut [Q::Answer],
         stack: &mut Stack,
     ) {
         if rays.len() < LEAST_STREAM && !is_streamed {
-            sequence::<L, Q>(hierarchy, rays, answers, stack);
+            sequence::<L, B, Q>(hierarchy, rays, answers, stack);
         } else if !L::PREFETCHES || is_streamed || self.patience.tries() {
             let stream = self.stream.get_or_insert_with(Stream::new);
-            let share = stream.trace::<L, Q>(hierarchy, rays, answers);
+            let share = stream.trace::<L, B, Q>(hierarchy, rays, answers);
             self.patience.learns(share > LEAST_SHARE);
         } else {
-            fly::<L, Q>(hierarchy, rays, answers);
+            fly::<L, B, Q>(hierarchy, rays, answers);
         }
     }
 }
@@ -162,8 +162,8 @@ fn octant(ray: &Ray) -> u32 {
 
 /// The rays of a tile, the last of them repeated until it is full.
 #[inline(always)]
-fn prepare<L: Eight>(hierarchy: &Hierarchy<'_>, rays: &[Ray]) -> [Prepared; PACKETS] {
+fn prepare<L: Eight>(frame: &Frame, rays: &[Ray]) -> [Prepared; PACKETS] {
     let mut full = [rays[rays.len() - 1]; RAYS];
     full[..rays.len()].copy_from_slice(rays);
-    eight_times!(packet => Prepared::of::<L>(&hierarchy.frame, &full[8 * packet..8 * packet + 8]))
+    eight_times!(packet => Prepared::of::<L>(frame, &full[8 * packet..8 * packet + 8]))
 }

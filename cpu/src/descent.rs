@@ -6,7 +6,7 @@
 use leafwalk_core::Nearest;
 use leafwalk_core::triangle::Shear;
 
-use crate::hierarchy::{Hierarchy, ROOT};
+use crate::hierarchy::{Hierarchy, ROOT, Source};
 use crate::lanes::Eight;
 use crate::node::{meet, test_block};
 use crate::ready::Ready;
@@ -14,14 +14,15 @@ use crate::stack::{END, Stack};
 
 /// The nearest hit of one ray; with `ANY`, some hit.
 #[inline(always)]
-pub(crate) fn descend<L: Eight, const ANY: bool>(
-    hierarchy: &Hierarchy<'_>,
+pub(crate) fn descend<L: Eight, B: Source, const ANY: bool>(
+    hierarchy: &Hierarchy<'_, B>,
     ready: &Ready<L>,
     stack: &mut Stack,
 ) -> Nearest {
     let Ready { slabs, order, neg, mut nearest, .. } = *ready;
     stack.clear();
     let mut child = ROOT;
+    let mut room = None;
     loop {
         if let Some(branch) = hierarchy.branch(child) {
             let (first, met) = meet(&slabs, order, branch, &nearest);
@@ -29,7 +30,7 @@ pub(crate) fn descend<L: Eight, const ANY: bool>(
                 child = stack.enter(branch, neg, first, met);
                 continue;
             }
-        } else if let Some(block) = hierarchy.block(child) {
+        } else if let Some(block) = hierarchy.block(child, &mut room) {
             test_block(block, &Shear::<L>::splat(&ready.shear), ready.axes, &mut nearest);
             if ANY && nearest.is_hit() {
                 return nearest;

@@ -3,9 +3,10 @@
 //! A ray's turns wait for memory and for each other, those of different rays do not: the machine works on several at once.
 
 use leafwalk_core::Ray;
+use leafwalk_core::layout::Block;
 use leafwalk_core::triangle::Shear;
 
-use crate::hierarchy::{Hierarchy, ROOT};
+use crate::hierarchy::{Hierarchy, ROOT, Source};
 use crate::lanes::Eight;
 use crate::node::{meet, test_block};
 use crate::prepare::Waiting;
@@ -28,7 +29,11 @@ struct Flight<L: Eight> {
 
 /// Answers rays; the answers are those of misses before.
 #[inline(always)]
-pub(crate) fn fly<L: Eight, Q: Question>(hierarchy: &Hierarchy<'_>, rays: &[Ray], answers: &mut [Q::Answer]) {
+pub(crate) fn fly<L: Eight, B: Source, Q: Question>(
+    hierarchy: &Hierarchy<'_, B>,
+    rays: &[Ray],
+    answers: &mut [Q::Answer],
+) {
     let mut waiting = Waiting::new(&hierarchy.frame, rays);
     let mut flights: Vec<Flight<L>> = Vec::with_capacity(FLIGHTS);
     while flights.len() < FLIGHTS
@@ -36,11 +41,11 @@ pub(crate) fn fly<L: Eight, Q: Question>(hierarchy: &Hierarchy<'_>, rays: &[Ray]
     {
         flights.push(Flight { ready, index, child: ROOT, stack: Stack::new() });
     }
-    let mut at = 0;
+    let (mut at, mut room) = (0, None);
     while !flights.is_empty() {
         at = if at < flights.len() { at } else { 0 };
         let flight = &mut flights[at];
-        flight.turn::<Q>(hierarchy);
+        flight.turn::<B, Q>(hierarchy, &mut room);
         if flight.child != END {
             at += 1;
             continue;
@@ -59,12 +64,12 @@ pub(crate) fn fly<L: Eight, Q: Question>(hierarchy: &Hierarchy<'_>, rays: &[Ray]
 impl<L: Eight> Flight<L> {
     /// Visits a branch or a block, and asks for the next.
     #[inline(always)]
-    fn turn<Q: Question>(&mut self, hierarchy: &Hierarchy<'_>) {
+    fn turn<B: Source, Q: Question>(&mut self, hierarchy: &Hierarchy<'_, B>, room: &mut Option<Block>) {
         let Ready { slabs, order, shear, axes, neg, nearest, .. } = &mut self.ready;
         if let Some(branch) = hierarchy.branch(self.child) {
             let (first, met) = meet(slabs, *order, branch, nearest);
             self.stack.push(branch, *neg, first, met);
-        } else if let Some(block) = hierarchy.block(self.child) {
+        } else if let Some(block) = hierarchy.block(self.child, room) {
             test_block(block, &Shear::<L>::splat(shear), *axes, nearest);
             if Q::ANY && nearest.is_hit() {
                 self.child = END;

@@ -3,7 +3,7 @@
 use leafwalk_core::Ray;
 
 use crate::descent::descend;
-use crate::hierarchy::Hierarchy;
+use crate::hierarchy::{Hierarchy, Source};
 use crate::lanes::Eight;
 use crate::prepare::Waiting;
 use crate::question::Question;
@@ -11,8 +11,8 @@ use crate::stack::Stack;
 
 /// Answers rays; the answers are those of misses before.
 #[inline(always)]
-pub(crate) fn sequence<L: Eight, Q: Question>(
-    hierarchy: &Hierarchy<'_>,
+pub(crate) fn sequence<L: Eight, B: Source, Q: Question>(
+    hierarchy: &Hierarchy<'_, B>,
     rays: &[Ray],
     answers: &mut [Q::Answer],
     stack: &mut Stack,
@@ -20,9 +20,9 @@ pub(crate) fn sequence<L: Eight, Q: Question>(
     let mut waiting = Waiting::new(&hierarchy.frame, rays);
     while let Some((index, ready)) = waiting.take::<L>() {
         let nearest = if Q::ANY {
-            descend::<L, true>(hierarchy, &ready, stack)
+            descend::<L, B, true>(hierarchy, &ready, stack)
         } else {
-            descend::<L, false>(hierarchy, &ready, stack)
+            descend::<L, B, false>(hierarchy, &ready, stack)
         };
         answers[index] = Q::answer(&ready.clock, &nearest);
     }

@@ -9,7 +9,7 @@ use leafwalk_core::layout::{BRANCH_WIDTH, Block, Branch, MAX_DEPTH, NONE};
 use leafwalk_core::triangle::{PERMUTATIONS, Shear};
 use leafwalk_core::{Clock, Nearest, Ray, per_axis};
 
-use crate::hierarchy::{Hierarchy, ROOT};
+use crate::hierarchy::{Hierarchy, ROOT, Source};
 use crate::lanes::{Eight, eight_times};
 use crate::node::{Facing, test_block};
 use crate::prepare::Prepared;
@@ -83,9 +83,9 @@ impl Stream {
 
     /// Answers rays; the answers are those of misses before. Returns how many rays met a branch that any met, on average.
     #[inline(always)]
-    pub(crate) fn trace<L: Eight, Q: Question>(
+    pub(crate) fn trace<L: Eight, B: Source, Q: Question>(
         &mut self,
-        hierarchy: &Hierarchy<'_>,
+        hierarchy: &Hierarchy<'_, B>,
         rays: &[Ray],
         answers: &mut [Q::Answer],
     ) -> f32 {
@@ -101,7 +101,7 @@ impl Stream {
             while octant < 8 {
                 let len = self.groups[octant].len;
                 if len > GROUP - 8 || (first >= rays.len() && len > 0) {
-                    let (visited, by_rays) = self.descend::<L, Q>(hierarchy, octant);
+                    let (visited, by_rays) = self.descend::<L, B, Q>(hierarchy, octant);
                     branches += visited;
                     rays_at_branches += by_rays;
                     self.groups[octant].answer::<Q>(answers);
@@ -156,7 +156,7 @@ impl Stream {
 
     /// Traces a group. Returns how many branches it visited, and the sum of the numbers of rays that met each.
     #[inline(always)]
-    fn descend<L: Eight, Q: Question>(&mut self, hierarchy: &Hierarchy<'_>, octant: usize) -> (u32, u32) {
+    fn descend<L: Eight, B: Source, Q: Question>(&mut self, hierarchy: &Hierarchy<'_, B>, octant: usize) -> (u32, u32) {
         let Self { groups, lists, visits } = self;
         let group = &mut groups[octant];
         let neg = octant as u32;
@@ -165,7 +165,7 @@ impl Stream {
         lists.clear();
         lists.extend((0..EIGHTS as u32).map(|eight| eight_times!(lane => 8 * eight + lane)));
         let (mut branches, mut rays_at_branches) = (0, 0);
-        let mut waiting = 0;
+        let (mut waiting, mut room) = (0, None);
         loop {
             let Visit { child, begin, len } = visit;
             let (begin, eights) = (begin as usize, len.div_ceil(8) as usize);
@@ -199,7 +199,7 @@ impl Stream {
                     waiting += 1;
                     top = top.next_multiple_of(8);
                 }
-            } else if let Some(block) = hierarchy.block(child) {
+            } else if let Some(block) = hierarchy.block(child, &mut room) {
                 for ray in lists[begin..].as_flattened().iter().take(len as usize) {
                     group.test::<L, Q>(block, *ray as usize % GROUP);
                 }

@@ -8,7 +8,7 @@ use leafwalk_core::triangle::{PERMUTATIONS, Shear, Sheared};
 use leafwalk_core::{Nearest, per_axis};
 
 use crate::beam::{Beam, BoxTest, Range};
-use crate::hierarchy::{Hierarchy, ROOT};
+use crate::hierarchy::{Hierarchy, ROOT, Source};
 use crate::lanes::{Eight, eight_times};
 use crate::prepare::{PACKETS, Prepared};
 use crate::question::Question;
@@ -78,9 +78,14 @@ impl<'a, L: Eight> Tile<'a, L> {
     /// Finds the nearest hit of each ray; with `ANY`, some hit. `false`: gave up, because the rays have too little in
     /// common for triangles as small as these.
     #[inline(always)]
-    pub(crate) fn trace<const ANY: bool>(&mut self, hierarchy: &Hierarchy<'_>, stack: &mut Stack) -> bool {
+    pub(crate) fn trace<B: Source, const ANY: bool>(
+        &mut self,
+        hierarchy: &Hierarchy<'_, B>,
+        stack: &mut Stack,
+    ) -> bool {
         stack.clear();
         let mut child = ROOT;
+        let mut room = None;
         loop {
             if let Some(branch) = hierarchy.branch(child) {
                 let first = self.entry.of(branch, self.order);
@@ -89,7 +94,7 @@ impl<'a, L: Eight> Tile<'a, L> {
                     child = stack.enter(branch, self.neg, first, met);
                     continue;
                 }
-            } else if let Some(block) = hierarchy.block(child) {
+            } else if let Some(block) = hierarchy.block(child, &mut room) {
                 self.test_block::<ANY>(block);
                 if self.tests > PATIENCE {
                     return false;

@@ -1,11 +1,11 @@
 //! `CpuTracer`: batches of rays on every core.
 
-use leafwalk_core::{Hit, LengthMismatch, Octree, Ray, Tracer, Walk, Work};
+use leafwalk_core::{Blocks, Hit, LengthMismatch, Octree, Ray, Tracer, Walk, Work};
 use rayon::prelude::*;
 
 use crate::batch::{Batch, Scratch};
 use crate::beam::BEAM_MARGIN;
-use crate::hierarchy::Hierarchy;
+use crate::hierarchy::{Hierarchy, Source};
 use crate::lanes::Registers;
 use crate::question::{Closest, Occluded, Question};
 use crate::single;
@@ -56,20 +56,44 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
 
     /// The closest hit of one ray, on this thread.
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let hit = single::answer::<Closest>(self.registers, &Hierarchy::of(&self.octree), ray);
+        let hit = self.single::<Closest>(ray);
         (!hit.is_miss()).then_some(hit)
     }
 
     /// Whether one ray hits anything, on this thread.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        single::answer::<Occluded>(self.registers, &Hierarchy::of(&self.octree), ray)
+        self.single::<Occluded>(ray)
+    }
+
+    #[inline]
+    fn single<Q: Question>(&self, ray: &Ray) -> Q::Answer {
+        match self.octree.blocks() {
+            Blocks::Packed(blocks) => {
+                single::answer::<_, Q>(self.registers, &Hierarchy::new(&self.octree, blocks), ray)
+            }
+            Blocks::Indexed(blocks) => {
+                single::answer::<_, Q>(self.registers, &Hierarchy::new(&self.octree, blocks), ray)
+            }
+        }
     }
 
     fn batches<Q: Question>(&self, rays: &[Ray], answers: &mut [Q::Answer]) -> Result<(), LengthMismatch> {
-        let hierarchy = &Hierarchy::of(&self.octree);
+        match self.octree.blocks() {
+            Blocks::Packed(blocks) => self.batches_in::<_, Q>(blocks, rays, answers),
+            Blocks::Indexed(blocks) => self.batches_in::<_, Q>(blocks, rays, answers),
+        }
+    }
+
+    fn batches_in<B: Source, Q: Question>(
+        &self,
+        blocks: B,
+        rays: &[Ray],
+        answers: &mut [Q::Answer],
+    ) -> Result<(), LengthMismatch> {
+        let hierarchy = &Hierarchy::new(&self.octree, blocks);
         let Self { beam_margin, is_streamed, .. } = *self;
         answer(rays, answers, Scratch::new, |scratch, rays, answers| {
-            self.registers.run(Batch::<Q> { hierarchy, beam_margin, is_streamed, scratch, rays, answers });
+            self.registers.run(Batch::<B, Q> { hierarchy, beam_margin, is_streamed, scratch, rays, answers });
         })
     }
 
@@ -79,18 +103,13 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     /// When the slices differ in length.
     pub fn closest_hits_with_work(&self, rays: &[Ray], answers: &mut [(Hit, Work)]) -> Result<(), LengthMismatch> {
         let parts = self.octree.parts();
-        answer(
-            rays,
-            answers,
-            || (),
-            |(), rays, answers| {
-                let walk = Walk::new(&parts);
-                for (ray, answer) in rays.iter().zip(answers) {
-                    let (hit, work) = walk.closest_hit_with_work(ray);
-                    *answer = (hit.unwrap_or(Hit::MISS), work);
-                }
-            },
-        )
+        let walk = || Walk::new(&parts);
+        answer(rays, answers, walk, |walk, rays, answers| {
+            for (ray, answer) in rays.iter().zip(answers) {
+                let (hit, work) = walk.closest_hit_with_work(ray);
+                *answer = (hit.unwrap_or(Hit::MISS), work);
+            }
+        })
     }
 }
 

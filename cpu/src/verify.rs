@@ -213,9 +213,8 @@ impl Check<'_> {
     fn leaf(&self, number: u32, key: Key, leaf: &Record, triangles: &[u32]) -> Result<u64, VerifyError> {
         let mut listed = Vec::new();
         for payload in self.parts.payloads_of(leaf) {
-            let first = payload.first as usize;
-            for (b, block) in self.parts.blocks[first..first + payload.count as usize].iter().enumerate() {
-                self.block(number, key, payload, b, block)?;
+            for (b, block) in self.parts.blocks.of(payload).enumerate() {
+                self.block(number, key, payload, b, &block)?;
                 listed.extend(block.primitives.iter().filter(|primitive| **primitive != NONE));
             }
         }
@@ -228,8 +227,8 @@ impl Check<'_> {
     }
 
     fn block(&self, leaf: u32, key: Key, payload: &Payload, b: usize, block: &Block) -> Result<(), VerifyError> {
-        for (lane, &primitive) in block.primitives.iter().enumerate().filter(|(_, primitive)| **primitive != NONE) {
-            let needed = box_inside(key, &block.corners(lane), self.parts.header.padding);
+        for (primitive, corners) in block.triangles() {
+            let needed = box_inside(key, &corners, self.parts.header.padding);
             if !encloses(payload.boxed(b), needed) {
                 return Err(VerifyError::SmallBox { leaf, primitive });
             }

@@ -37,6 +37,7 @@ pub(crate) fn run(args: &InfoArgs, context: &Context) -> Result<(), CommandError
     let header = octree.parts().header;
     report.add("step_cost", "setting: step cost", header.step_cost);
     report.add("max_level", "setting: max level", header.max_level);
+    report.add("compact", "setting: compact", octree.is_compact());
     report.add("version", "format version", octree.as_words().get(VERSION_WORD).copied());
     let checksum = stored_checksum(octree.as_words()).map(|crc| format!("{crc:08x}"));
     report.add("checksum", "checksum (CRC-32)", checksum);
@@ -92,6 +93,6 @@ fn add_sections(report: &mut Report, octree: &Octree<Vec<u32>>) {
         (section.name(), u64::from(offset) * WORD_BYTES, u64::from(words) * WORD_BYTES)
     });
     let value = spans.map(|(name, offset, bytes)| json!({ "name": name, "offset": offset, "bytes": bytes }));
-    let text = spans.map(|(name, offset, bytes)| format!("{name:<10} {bytes:>12} bytes at {offset}\n"));
+    let text = spans.map(|(name, offset, bytes)| format!("{name:<14} {bytes:>12} bytes at {offset}\n"));
     report.add_as("sections", "sections", value.to_vec(), text.concat());
 }

@@ -150,6 +150,36 @@ fn a_moved_corner_is_found() {
 }
 
 #[test]
+fn a_vertex_number_that_is_off_is_found() {
+    let mesh = meshes::bumpy_sphere(3, 83);
+    let octree = Builder::new().compact().step_cost(2.0).build(&mesh).unwrap();
+    verify_against(&octree, &mesh).unwrap();
+    let valid = Edited::new(&octree);
+    let (mut tried, mut alone) = (0, 0);
+    for (number, i) in (0..octree.stats().blocks as usize).map(|number| (number, number * 5 % 24)) {
+        let off = valid.decode_with(|file| file.indexed_blocks()[number].numbers[i % 3][i / 3] ^= 1);
+        // Only vertices that were named before can be named instead.
+        let Ok(off) = off else { continue };
+        assert!(verify_against(&off, &mesh).is_err(), "block {number}, number {i}");
+        tried += 1;
+        alone += usize::from(verify(&off).is_err());
+    }
+    assert!(tried > 30 && alone > tried / 2, "{alone} of {tried} without the mesh");
+}
+
+#[test]
+fn swapped_vertices_are_found() {
+    let mesh = meshes::bumpy_sphere(3, 84);
+    let octree = Builder::new().compact().step_cost(2.0).build(&mesh).unwrap();
+    let valid = Edited::new(&octree);
+    let count = valid.clone().vertices().len();
+    for vertex in (1..count).step_by(17) {
+        let swapped = valid.decode_with(|file| file.vertices().swap(vertex - 1, vertex)).unwrap();
+        assert!(verify(&swapped).is_err(), "vertices {} and {vertex}", vertex - 1);
+    }
+}
+
+#[test]
 fn another_mesh_is_told_apart() {
     let (mesh, octree) = scene();
     let differs = |mesh: &Mesh| match verify_against(&octree, mesh) {
@@ -161,7 +191,7 @@ fn another_mesh_is_told_apart() {
     moved.positions.iter_mut().for_each(|p| p[0] += 64.0);
     assert_eq!(differs(&moved).0, "frame");
     // One corner, by a little; of a triangle that was not dropped.
-    let listed = octree.parts().blocks[5].primitives[0];
+    let listed = octree.blocks().iter().nth(5).unwrap().primitives[0];
     let mut other = mesh.clone();
     let vertex = other.triangles[listed as usize][1];
     other.positions[vertex as usize][1] += 1e-3;

@@ -5,7 +5,7 @@ use leafwalk::wire::Header;
 use leafwalk_core::layout::{Block, MESH_MARGIN, NONE, PADDING, Payload, SMALLEST};
 
 use crate::support::edited::Edited;
-use crate::{chains, levels, refused};
+use crate::{chains, compact, levels, refused};
 
 #[test]
 fn header_fields_are_in_range() {
@@ -63,7 +63,7 @@ fn expect_bad_payload(valid: &Edited, payload: usize, edit: impl Fn(&mut Payload
 
 #[test]
 fn payloads_take_up_the_blocks_in_order() {
-    for mut valid in [levels(), chains()] {
+    for mut valid in [levels(), chains(), compact()] {
         let payloads = valid.payloads().to_vec();
         for (number, payload) in payloads.iter().enumerate() {
             for count in [0, 9, u32::MAX, payload.count ^ 1] {

@@ -4,6 +4,7 @@
 mod support;
 
 mod branches;
+mod compact;
 mod contents;
 mod links;
 mod preamble;
@@ -22,6 +23,11 @@ fn levels() -> Edited {
 /// Eight leaves of over 64 triangles each: chained payloads.
 fn chains() -> Edited {
     Edited::new(&Builder::new().step_cost(0.5).max_level(1).build(&meshes::soup(1500, 22)).unwrap())
+}
+
+/// Four leaves or so of a compact octree, in blocks that share vertices.
+fn compact() -> Edited {
+    Edited::new(&Builder::new().compact().step_cost(0.5).max_level(2).build(&meshes::icosphere(1)).unwrap())
 }
 
 /// Decodes after an edit, and expects an error.

@@ -5,7 +5,7 @@ use leafwalk::{DecodeError, Octree};
 
 use crate::support::edited::reseal;
 use crate::support::random::Random;
-use crate::{chains, levels, refused};
+use crate::{chains, compact, levels, refused};
 
 #[test]
 fn a_cut_file_is_truncated() {
@@ -23,7 +23,7 @@ fn a_cut_file_is_truncated() {
 
 #[test]
 fn a_cut_file_that_says_so_lacks_sections() {
-    for mut valid in [levels(), chains()] {
+    for mut valid in [levels(), chains(), compact()] {
         let mut ends: Vec<usize> =
             Section::ALL.map(|section| (valid.row(section)[1] + valid.row(section)[2]) as usize).into();
         let content_end = ends.iter().copied().max().unwrap();

@@ -3,12 +3,13 @@
 use leafwalk::wire::{self, Header, PREAMBLE_WORDS, Section, TABLE_ROW};
 use leafwalk::{Builder, Hit, Mesh, Octree, Ray, Tracer, hit_hash};
 use leafwalk_core::layout::{
-    BLOCK_WORDS, Block, KEY_WORDS, Key, PAYLOAD_WORDS, Payload, RECORD_WORDS, Record, SECTION_ALIGN,
+    BLOCK_WORDS, Block, INDEXED_BLOCK_WORDS, IndexedBlock, KEY_WORDS, Key, PAYLOAD_WORDS, Payload, RECORD_WORDS,
+    Record, SECTION_ALIGN,
 };
 
 use crate::support::random::Random;
 use crate::support::{meshes, rays};
-use crate::{chains, levels};
+use crate::{chains, compact, levels};
 
 #[test]
 fn items_have_the_sizes_of_the_format() {
@@ -16,6 +17,7 @@ fn items_have_the_sizes_of_the_format() {
     assert_eq!((size_of::<Record>(), RECORD_WORDS * words), (32, 32));
     assert_eq!((size_of::<Payload>(), PAYLOAD_WORDS * words), (128, 128));
     assert_eq!((size_of::<Block>(), BLOCK_WORDS * words), (320, 320));
+    assert_eq!((size_of::<IndexedBlock>(), INDEXED_BLOCK_WORDS * words), (84, 84));
     assert_eq!((size_of_val(&Key::ROOT.to_words()), KEY_WORDS * words), (8, 8));
     assert_eq!((size_of::<Header>(), SECTION_ALIGN * words), (64, 64));
     assert_eq!((size_of::<Ray>(), size_of::<Hit>()), (32, 16));
@@ -64,7 +66,7 @@ fn a_saved_octree_loads_as_it_was() {
 
 #[test]
 fn unknown_sections_are_skipped() {
-    for mut valid in [levels(), chains()] {
+    for mut valid in [levels(), chains(), compact()] {
         // The same sections behind a longer table, with one of a later writer first and one last.
         let unknown = u32::from_le_bytes(*b"late");
         let mut rows = vec![(unknown, vec![0xdead_beef; 5])];

@@ -77,11 +77,18 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
     let portable_lanes: [Any<'_>; 3] = [&portable, &portable_singles, &portable_streamed];
     let tracers = [scalar, lanes, portable_lanes].concat();
     differences(&tracers, &scene.brute_force, &hard(mesh), scaled(count), seed).passes(name, 0.05);
+    // What is right by now is the oracle for the compact octree.
+    let compact = CpuTracer::new(scene.compact.view());
+    let (portable_compact, compact_in_flight) = (compact.clone().portable(), compact.clone().in_flight());
+    let tracers: [Any<'_>; 5] = [&scene.compact, &compact, &OneByOne(&compact), &compact_in_flight, &portable_compact];
+    differences(&tracers, &scene.octree, &hard(mesh), scaled(count / 2), seed + 700)
+        .passes(&format!("{name}, compact"), 0.05);
     let (centre, size) = rays::extent(mesh);
     for (shares, seed) in Shared::ALL.into_iter().zip(seed + 500..) {
         let coherent = |random: &mut Random| rays::coherent(shares, mesh, centre, size, random);
         let name = format!("{name}, runs that share {shares:?}");
-        differences(&[&batches, &portable], &scene.brute_force, &coherent, scaled(count / 12), seed).passes(&name, 0.1);
+        let batches: [Any<'_>; 3] = [&batches, &portable, &compact];
+        differences(&batches, &scene.brute_force, &coherent, scaled(count / 12), seed).passes(&name, 0.1);
     }
 }
 

@@ -4,16 +4,19 @@ use std::sync::OnceLock;
 
 use leafwalk::{BruteForce, Builder, Mesh, Octree};
 
-/// A mesh's octree, and its oracle.
+/// A mesh's octrees, and its oracle.
 pub(crate) struct Scene {
     pub(crate) octree: Octree<Vec<u32>>,
+    /// The same, compact.
+    pub(crate) compact: Octree<Vec<u32>>,
     pub(crate) brute_force: BruteForce,
 }
 
 impl Scene {
     pub(crate) fn new(mesh: &Mesh) -> Self {
-        let octree = Builder::new().build(mesh).expect("a mesh that builds");
-        Self { octree, brute_force: BruteForce::new(mesh).expect("the same mesh") }
+        let build = |builder: Builder| builder.build(mesh).expect("a mesh that builds");
+        let (octree, compact) = (build(Builder::new()), build(Builder::new().compact()));
+        Self { octree, compact, brute_force: BruteForce::new(mesh).expect("the same mesh") }
     }
 }
 

@@ -119,6 +119,7 @@ fn check(name: &str, mesh: &Mesh, scene: &Scene, origins: u64, rays: u64, seed: 
     assert!(inside.len() as u64 >= origins / 4, "{name}: only {} origins inside", inside.len());
     let parts = scene.octree.parts();
     let threads = CpuTracer::new(scene.octree.view());
+    let compact = CpuTracer::new(scene.compact.view());
     let pluecker = Stepping::<Pluecker, Standard>::new(&parts);
     for target in [Target::Edge, Target::Vertex] {
         let check = |tracers: &[Any<'_>], name: &str, rays: u64, seed: u64| {
@@ -126,7 +127,8 @@ fn check(name: &str, mesh: &Mesh, scene: &Scene, origins: u64, rays: u64, seed: 
             tally.passes(&format!("P1, {name}, {target:?}, {} origins", inside.len()), 1.0);
         };
         check(&[&threads], name, rays, seed);
-        let together = misses(aimed_together, &[&threads], mesh, &inside, target, scaled(rays / 5), seed + 2000);
+        let together =
+            misses(aimed_together, &[&threads, &compact], mesh, &inside, target, scaled(rays / 5), seed + 2000);
         together.passes(&format!("P1, {name}, {target:?}, coherent rays"), 1.0);
         // What P2 compares anyway takes a sample.
         check(
@@ -135,6 +137,7 @@ fn check(name: &str, mesh: &Mesh, scene: &Scene, origins: u64, rays: u64, seed: 
             rays / 10,
             seed + 1000,
         );
+        check(&[&scene.compact, &compact, &OneByOne(&compact)], &format!("{name}, compact"), rays / 20, seed + 3000);
     }
 }
 

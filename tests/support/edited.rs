@@ -2,7 +2,7 @@
 
 use leafwalk::wire::{self, Header, Section, Spans, TABLE_ROW};
 use leafwalk::{DecodeError, Octree};
-use leafwalk_core::layout::{Block, Branch, Payload, Record};
+use leafwalk_core::layout::{Block, Branch, IndexedBlock, Payload, Record};
 
 /// Where the section table starts.
 const TABLE: usize = wire::PREAMBLE_WORDS;
@@ -42,6 +42,14 @@ impl Edited {
 
     pub fn blocks(&mut self) -> &mut [Block] {
         bytemuck::cast_slice_mut(self.section(Section::Blocks))
+    }
+
+    pub fn indexed_blocks(&mut self) -> &mut [IndexedBlock] {
+        bytemuck::cast_slice_mut(self.section(Section::IndexedBlocks))
+    }
+
+    pub fn vertices(&mut self) -> &mut [[f32; 3]] {
+        bytemuck::cast_slice_mut(self.section(Section::Vertices))
     }
 
     pub fn branches(&mut self) -> &mut [Branch] {

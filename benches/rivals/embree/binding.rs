@@ -13,6 +13,7 @@ pub(super) const UINT3: c_int = 0x5003;
 pub(super) const FLOAT3: c_int = 0x9003;
 pub(super) const MEDIUM_QUALITY: c_int = 1;
 pub(super) const NO_FLAGS: c_int = 0;
+pub(super) const COMPACT: c_int = 1 << 1;
 pub(super) const ROBUST: c_int = 1 << 2;
 pub(super) const INCOHERENT: c_int = 0;
 pub(super) const COHERENT: c_int = 1;

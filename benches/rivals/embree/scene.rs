@@ -61,8 +61,8 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// Builds it at medium quality; with the time that it took to commit.
-    pub(super) fn new(mesh: &Mesh, robust: bool) -> (Self, Duration) {
+    /// Builds it at medium quality under flags; with the time that it took to commit.
+    pub(super) fn new(mesh: &Mesh, flags: c_int) -> (Self, Duration) {
         let device = Device::new();
         // SAFETY: The device is open, and each handle is passed on as what it is.
         let handle = unsafe {
@@ -73,7 +73,7 @@ impl Scene {
             let scene = rtcNewScene(device.handle);
             rtcAttachGeometry(scene, geometry);
             rtcReleaseGeometry(geometry);
-            rtcSetSceneFlags(scene, if robust { ROBUST } else { NO_FLAGS });
+            rtcSetSceneFlags(scene, flags);
             rtcSetSceneBuildQuality(scene, MEDIUM_QUALITY);
             scene
         };

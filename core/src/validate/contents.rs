@@ -2,8 +2,11 @@
 //! together are no longer than the file.
 
 use super::wrong_length;
+use crate::blocks::{Blocks, Indexed};
 use crate::error::{DecodeError, RecordFault};
-use crate::layout::{ABSENT, BLOCK_WORDS, CHAINED, LatticeBox, NONE, PAYLOAD_BLOCKS, PAYLOAD_WORDS, Payload};
+use crate::layout::{
+    ABSENT, BLOCK_WORDS, CHAINED, INDEXED_BLOCK_WORDS, LatticeBox, NONE, PAYLOAD_BLOCKS, PAYLOAD_WORDS, Payload,
+};
 use crate::octree::Parts;
 use crate::wire::Section;
 
@@ -75,7 +78,12 @@ impl<'a> Contents<'a> {
             return Err(wrong_length(Section::Payloads, payloads.len(), PAYLOAD_WORDS));
         }
         if self.blocks as usize != blocks.len() {
-            return Err(wrong_length(Section::Blocks, blocks.len(), BLOCK_WORDS));
+            return Err(match blocks {
+                Blocks::Packed(blocks) => wrong_length(Section::Blocks, blocks.len(), BLOCK_WORDS),
+                Blocks::Indexed(Indexed { blocks, .. }) => {
+                    wrong_length(Section::IndexedBlocks, blocks.len(), INDEXED_BLOCK_WORDS)
+                }
+            });
         }
         Ok(())
     }

@@ -3,12 +3,13 @@
 mod branches;
 mod contents;
 mod tree;
+mod triangles;
 
 use crate::error::DecodeError;
 use crate::frame::Frame;
 use crate::layout::{
-    BLOCK_WIDTH, Block, KEY_WORDS, Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, MAX_LEVEL,
-    MESH_MARGIN, NONE, PADDING, RECORD_WORDS, Record, SMALLEST,
+    KEY_WORDS, Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, MAX_LEVEL, MESH_MARGIN, NONE, PADDING,
+    RECORD_WORDS, Record,
 };
 use crate::octree::Parts;
 use crate::wire::Section;
@@ -25,14 +26,7 @@ pub(crate) fn sections(parts: &Parts<'_>, keeps_margin: bool) -> Result<(), Deco
     for (number, leaf) in parts.leaves() {
         links(parts, number, leaf)?;
     }
-    let margin = if keeps_margin { MESH_MARGIN } else { 0.0 };
-    let mut references = 0;
-    for (number, block) in (0..).zip(parts.blocks) {
-        references += self::block(block, number, parts.header.primitives, margin)?;
-    }
-    if references != parts.header.references {
-        return Err(DecodeError::Header { field: "references" });
-    }
+    triangles::check(parts, if keeps_margin { MESH_MARGIN } else { 0.0 })?;
     grid(parts)
 }
 
@@ -100,26 +94,6 @@ fn links(parts: &Parts<'_>, number: u32, leaf: &Record) -> Result<(), DecodeErro
         }
     }
     Ok(())
-}
-
-/// Checks a block; returns how many triangles it holds.
-fn block(block: &Block, number: u32, primitives: u32, margin: f32) -> Result<u32, DecodeError> {
-    let mut triangles = 0;
-    let inside = margin..=1.0 - margin;
-    for lane in 0..BLOCK_WIDTH {
-        let corners = block.corners(lane);
-        let is_right = if block.primitives[lane] == NONE {
-            lane > 0 && block.primitives[0] != NONE && corners == block.corners(0)
-        } else {
-            triangles += 1;
-            let in_range = |c: &f32| inside.contains(c) && (c.to_bits() == 0 || *c >= SMALLEST);
-            block.primitives[lane] < primitives && corners.as_flattened().iter().all(in_range)
-        };
-        if !is_right {
-            return Err(DecodeError::BadBlock { block: number, lane: lane as u32 });
-        }
-    }
-    Ok(triangles)
 }
 
 /// Each entry of the grid names the deepest node, no finer than the grid, whose cell holds the entry's.

@@ -1,13 +1,15 @@
 //! The sections as one run of words.
 
 use leafwalk_core::layout::{
-    BLOCK_WIDTH, BLOCK_WORDS, BRANCH_WORDS, Block, KEY_WORDS, PADDING, PAYLOAD_WORDS, Payload, RECORD_WORDS,
+    BLOCK_WIDTH, BLOCK_WORDS, BRANCH_WORDS, Block, INDEXED_BLOCK_WORDS, KEY_WORDS, PADDING, PAYLOAD_WORDS, Payload,
+    RECORD_WORDS, VERTEX_WORDS,
 };
 use leafwalk_core::wire::{self, Header, Section};
 use leafwalk_core::{Octree, Policy};
 use rayon::prelude::*;
 
 use super::branch;
+use super::index::index;
 use super::leaf::{self, block_count};
 use super::link::{Linked, Payloads, link};
 use super::monitor::Monitor;
@@ -31,7 +33,11 @@ pub(crate) fn assemble(
     let listings = list_leaves(normalised, tree, &linked, settings, monitor)?;
     let payloads: Vec<Payload> = listings.iter().flat_map(|listing| &listing.payloads).copied().collect();
     let branches = branch::grow(&payloads);
-    let blocks: usize = payloads.iter().map(|payload| payload.count as usize).sum();
+    let (blocks, (indexed, vertices)) = if settings.is_compact {
+        (0, index(listings.iter().flat_map(|listing| listing.blocks(&normalised.triangles))))
+    } else {
+        (payloads.iter().map(|payload| payload.count as usize).sum(), Default::default())
+    };
     let header = Header {
         primitives: mesh.triangles.len() as u32,
         dropped: normalised.dropped,
@@ -51,6 +57,8 @@ pub(crate) fn assemble(
         Section::Keys => linked.keys.len() * KEY_WORDS,
         Section::Payloads => payloads.len() * PAYLOAD_WORDS,
         Section::Blocks => blocks * BLOCK_WORDS,
+        Section::IndexedBlocks => indexed.len() * INDEXED_BLOCK_WORDS,
+        Section::Vertices => vertices.len() * VERTEX_WORDS,
         Section::Branches => branches.len() * BRANCH_WORDS,
         Section::Grid => linked.grid.len(),
         Section::Materials => mesh.material_ids.len(),
@@ -83,7 +91,11 @@ pub(crate) fn assemble(
     section(Section::Records).copy_from_slice(bytemuck::cast_slice(&linked.records));
     section(Section::Keys).copy_from_slice(bytemuck::cast_slice(&linked.keys));
     section(Section::Payloads).copy_from_slice(bytemuck::cast_slice(&payloads));
-    pack(&listings, normalised, bytemuck::cast_slice_mut(section(Section::Blocks)));
+    if !settings.is_compact {
+        pack(&listings, normalised, bytemuck::cast_slice_mut(section(Section::Blocks)));
+    }
+    section(Section::IndexedBlocks).copy_from_slice(bytemuck::cast_slice(&indexed));
+    section(Section::Vertices).copy_from_slice(bytemuck::cast_slice(&vertices));
     section(Section::Branches).copy_from_slice(bytemuck::cast_slice(&branches));
     section(Section::Grid).copy_from_slice(&linked.grid);
     section(Section::Materials).copy_from_slice(&mesh.material_ids);
@@ -112,8 +124,19 @@ struct Listing {
 }
 
 impl Listing {
-    fn blocks(&self) -> usize {
+    fn block_count(&self) -> usize {
         self.payloads.iter().map(|payload| payload.count as usize).sum()
+    }
+
+    /// Leaf after leaf; only the last of each has vacant lanes.
+    fn blocks(&self, triangles: &[(u32, [[f32; 3]; 3])]) -> impl Iterator<Item = Block> {
+        let mut references = &self.references[..];
+        let of_leaf = move |&count: &usize| {
+            let (own, tail) = references.split_at(count);
+            references = tail;
+            own.chunks(BLOCK_WIDTH)
+        };
+        self.counts.iter().flat_map(of_leaf).map(|group| leaf::pack(group, triangles))
     }
 }
 
@@ -162,18 +185,13 @@ fn pack(listings: &[Listing], normalised: &Normalised, blocks: &mut [Block]) {
     let mut rest = blocks;
     let mut tasks = Vec::new();
     for listing in listings {
-        let (own, tail) = core::mem::take(&mut rest).split_at_mut(listing.blocks());
+        let (own, tail) = core::mem::take(&mut rest).split_at_mut(listing.block_count());
         rest = tail;
         tasks.push((listing, own));
     }
     tasks.into_par_iter().for_each(|(listing, blocks)| {
-        let (mut references, mut blocks) = (&listing.references[..], blocks.iter_mut());
-        for &count in &listing.counts {
-            let (own, tail) = references.split_at(count);
-            references = tail;
-            for (group, block) in own.chunks(BLOCK_WIDTH).zip(&mut blocks) {
-                *block = leaf::pack(group, &normalised.triangles);
-            }
+        for (block, packed) in blocks.iter_mut().zip(listing.blocks(&normalised.triangles)) {
+            *block = packed;
         }
     });
 }

@@ -117,7 +117,7 @@ fn spoil((lower, upper): LatticeBox, spoiled: Spoiled) -> LatticeBox {
 
 /// The block of up to eight references.
 pub(crate) fn pack(group: &[u32], triangles: &[(u32, [[f32; 3]; 3])]) -> Block {
-    let mut block = Block { vertices: [[[0.0; BLOCK_WIDTH]; 3]; 3], primitives: [NONE; BLOCK_WIDTH] };
+    let mut block = Block::VACANT;
     for lane in 0..BLOCK_WIDTH {
         let reference = group.get(lane);
         let (primitive, corners) = &triangles[*reference.unwrap_or(&group[0]) as usize];

@@ -7,3 +7,4 @@ mod links;
 mod number;
 mod padding;
 mod stop;
+mod vertices;

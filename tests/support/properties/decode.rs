@@ -14,9 +14,9 @@ const RAYS: usize = 24;
 /// Decodes the words that the bytes spell: edits of a valid octree, or the words themselves. Preamble and checksum are
 /// made valid first, since no fuzzer guesses a checksum. Returns whether they decoded.
 pub fn check(bytes: &[u8]) -> bool {
-    static VALID: LazyLock<[Octree<Vec<u32>>; 4]> = LazyLock::new(valid);
+    static VALID: LazyLock<[Octree<Vec<u32>>; 8]> = LazyLock::new(valid);
     let mut bytes = Bytes::new(bytes);
-    let words = match VALID.get(usize::from(bytes.byte() % 5)) {
+    let words = match VALID.get(usize::from(bytes.byte() % 9)) {
         Some(valid) => edited(valid, &mut bytes),
         None => spelled(&mut bytes),
     };
@@ -67,7 +67,7 @@ fn spelled(bytes: &mut Bytes<'_>) -> Vec<u32> {
 fn edited(octree: &Octree<Vec<u32>>, bytes: &mut Bytes<'_>) -> Vec<u32> {
     let mut words = octree.as_words().to_vec();
     for _ in 0..1 + bytes.byte() % 4 {
-        let (offset, length) = match Section::ALL.get(usize::from(bytes.byte() % 8)) {
+        let (offset, length) = match Section::ALL.get(usize::from(bytes.byte()) % (Section::ALL.len() + 1)) {
             Some(section) => octree.span(*section),
             None => (4, 1 + (wire::TABLE_ROW * Section::ALL.len()) as u32),
         };
@@ -94,8 +94,8 @@ fn sealed(mut words: Vec<u32>) -> Vec<u32> {
     words
 }
 
-/// Nothing; one leaf; levels with coarser and finer neighbours; a chain.
-fn valid() -> [Octree<Vec<u32>>; 4] {
+/// Nothing; one leaf; levels with coarser and finer neighbours; a chain. Then all of them compact.
+fn valid() -> [Octree<Vec<u32>>; 8] {
     let speck = |i: u32, size: f32, at: [f32; 3]| -> [[f32; 3]; 3] {
         let turn = |c: u32| size * ((i * 7 + c * 5) % 11) as f32 / 11.0;
         core::array::from_fn(|c| core::array::from_fn(|k| at[k] + turn(3 * c as u32 + k as u32)))
@@ -109,12 +109,16 @@ fn valid() -> [Octree<Vec<u32>>; 4] {
         Mesh { positions: corners.as_flattened().to_vec(), triangles, material_ids }
     };
     let chained: Vec<_> = (0..150).map(|i| speck(i, 1.0, [0.0; 3])).collect();
-    let builder = Builder::new().step_cost(0.5).max_level(6);
-    [
-        builder.build(&Mesh::default()),
-        builder.build(&mesh(&scattered[..1])),
-        builder.build(&mesh(&scattered)),
-        builder.max_level(1).build(&mesh(&chained)),
-    ]
-    .map(|built| built.expect("a valid mesh"))
+    let packed = Builder::new().step_cost(0.5).max_level(6);
+    let builders = [packed.clone(), packed.compact()];
+    let build = |i: usize| {
+        let builder = &builders[i / 4];
+        match i % 4 {
+            0 => builder.build(&Mesh::default()),
+            1 => builder.build(&mesh(&scattered[..1])),
+            2 => builder.build(&mesh(&scattered)),
+            _ => builder.clone().max_level(1).build(&mesh(&chained)),
+        }
+    };
+    core::array::from_fn(|i| build(i).expect("a valid mesh"))
 }

@@ -33,6 +33,7 @@ pub fn check(bytes: &[u8]) {
     let step_cost = [0.5, 1.0, 4.0, 48.0][usize::from(settings >> 1 & 3)];
     let builder = Builder::new().step_cost(step_cost).max_level(u32::from(settings >> 3 & 15) + 1);
     check_strict(&builder, &mesh);
+    check_strict(&builder.clone().compact(), &mesh);
 
     match builder.clone().lenient().build(&mesh) {
         Ok(octree) => {

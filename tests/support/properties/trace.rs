@@ -8,14 +8,16 @@ use super::bytes::Bytes;
 
 /// Traces the rays that the bytes spell.
 pub fn check(bytes: &[u8]) {
-    static SCENE: LazyLock<(Octree<Vec<u32>>, BruteForce)> = LazyLock::new(|| {
+    static SCENE: LazyLock<([Octree<Vec<u32>>; 2], BruteForce)> = LazyLock::new(|| {
         let mesh = lattice_mesh();
-        let octree = Builder::new().step_cost(1.0).build(&mesh).expect("a valid mesh");
-        (octree, BruteForce::new(&mesh).expect("a valid mesh"))
+        let packed = Builder::new().step_cost(1.0);
+        let octrees = [packed.clone(), packed.compact()].map(|builder| builder.build(&mesh).expect("a valid mesh"));
+        (octrees, BruteForce::new(&mesh).expect("a valid mesh"))
     });
     let mut bytes = Bytes::new(bytes);
     while !bytes.is_empty() {
-        check_ray(&SCENE.0, &SCENE.1, &ray(&mut bytes));
+        let ray = ray(&mut bytes);
+        SCENE.0.iter().for_each(|octree| check_ray(octree, &SCENE.1, &ray));
     }
 }
 

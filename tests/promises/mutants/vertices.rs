@@ -1,0 +1,30 @@
+//! Mutants of compact octrees: one vertex number off.
+
+use leafwalk::{Builder, CpuTracer};
+
+use crate::same_answer::{differences, hard};
+use crate::support::edited::Edited;
+use crate::support::meshes;
+use crate::tally::scaled;
+use crate::variants::{Every, OneByOne};
+
+#[test]
+fn one_vertex_number_off() {
+    let mesh = meshes::bumpy_sphere(2, 72);
+    let right = Builder::new().compact().build(&mesh).expect("a mesh that builds");
+    let oracle = Every::<f32>::of(&right);
+    let valid = Edited::new(&right);
+    // Where a vertex was named before, and the other one, too, the decoder has nothing to say.
+    let blocks = valid.clone().indexed_blocks().len();
+    let wrong = (0..24 * blocks).rev().find_map(|i| {
+        let edited = valid.decode_with(|file| file.indexed_blocks()[i / 24].numbers[i % 3][i % 24 / 3] ^= 1);
+        edited.ok()
+    });
+    let wrong = wrong.expect("a number that decodes");
+    let check = |octree: &leafwalk::Octree<Vec<u32>>| {
+        let tracer = CpuTracer::new(octree.view());
+        differences(&[octree, &tracer, &OneByOne(&tracer)], &oracle, &hard(&mesh), scaled(10_000), 72)
+    };
+    check(&right).passes("every vertex number right, P2", 0.05);
+    check(&wrong).catches("one vertex number off");
+}
