@@ -42,6 +42,14 @@ impl<W: AsRef<[u32]>> Octree<W> {
         Ok(Self { words, spans })
     }
 
+    /// [`Octree::from_words_with`] for words that [`wire::seal`] has just given their checksum, which is not computed again.
+    #[doc(hidden)]
+    pub fn from_sealed<P: Policy>(words: W) -> Result<Self, DecodeError> {
+        let spans = wire::open_sealed(words.as_ref())?;
+        validate::sections(&Parts::new(words.as_ref(), &spans)?, P::KEEPS_MESH_MARGIN)?;
+        Ok(Self { words, spans })
+    }
+
     /// The same octree, borrowed.
     pub fn view(&self) -> Octree<&[u32]> {
         Octree { words: self.words.as_ref(), spans: self.spans }

@@ -4,7 +4,7 @@ use leafwalk_core::layout::{
     BLOCK_WIDTH, BLOCK_WORDS, BRANCH_WORDS, Block, KEY_WORDS, PADDING, PAYLOAD_WORDS, Payload, RECORD_WORDS,
 };
 use leafwalk_core::wire::{self, Header, Section};
-use leafwalk_core::{Octree, Policy};
+use leafwalk_core::{Octree, Policy, Standard};
 use rayon::prelude::*;
 
 use super::branch;
@@ -62,12 +62,11 @@ pub(crate) fn assemble(
         count: words,
         limit: u64::from(u32::MAX),
     })?;
-    let mut words = Vec::new();
     let needed = u64::from(total) * size_of::<u32>() as u64;
     settings.check_memory(needed)?;
-    let out_of_memory = BuildError::OutOfMemory { needed, limit: settings.memory_limit };
-    words.try_reserve_exact(total as usize).map_err(|_| out_of_memory)?;
-    words.resize(total as usize, 0u32);
+    // Zeroed by whoever maps the pages, on the threads that fill them.
+    let mut words = bytemuck::allocation::try_zeroed_vec(total as usize)
+        .map_err(|()| BuildError::OutOfMemory { needed, limit: settings.memory_limit })?;
 
     let mut rest = &mut words[..];
     let mut taken = 0;
@@ -89,8 +88,8 @@ pub(crate) fn assemble(
     section(Section::Materials).copy_from_slice(&mesh.material_ids);
     wire::seal(&mut words, &spans);
     let octree = match settings.spoiled {
-        Spoiled::MeshMargin => Octree::from_words_with::<Touching>(words),
-        _ => Octree::from_words(words),
+        Spoiled::MeshMargin => Octree::from_sealed::<Touching>(words),
+        _ => Octree::from_sealed::<Standard>(words),
     };
     Ok(octree.unwrap_or_else(|error| unreachable!("a build gives valid words: {error}")))
 }
