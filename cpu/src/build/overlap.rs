@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use leafwalk_core::layout::{Key, LATTICE_STEP};
+use wide::f32x4;
 
 /// Relative slack of a separating-axis test. The projected half extent of a dilated cell is at least 2^-19 times the
 /// axis, and the rounding of the projected corners at most 2^-50 times it: 2^-31, doubled.
@@ -50,12 +51,17 @@ impl Overlap {
 
 /// A cell about to be split: its planes, dilated by the padding.
 pub(crate) struct Split {
-    lower: [f32; 3],
-    middle: [f32; 3],
-    upper: [f32; 3],
-    /// Half a cell's edge, which is a child's: exact.
-    half: f32,
-    padding: f32,
+    lower: f32x4,
+    upper: f32x4,
+    /// Where the lower children end.
+    below: f32x4,
+    /// Where the upper children begin.
+    above: f32x4,
+    middle: DVec3,
+    /// A quarter of the cell's edge.
+    quarter: f64,
+    /// Half the edge of a child.
+    reach: DVec3,
 }
 
 impl Split {
@@ -63,47 +69,89 @@ impl Split {
         let (lower, upper) = cell.bounds();
         // All sums here are exact: multiples of 2^-19 below 2.
         let half = 0.5 * cell.size() as f32 * LATTICE_STEP;
-        let outward = |upper: f32| upper + padding;
+        let middle = lower.map(|c| c + half);
+        let quarter = 0.5 * f64::from(half);
         Self {
-            lower: lower.map(|c| c - padding),
-            middle: lower.map(|c| c + half),
-            upper: upper.map(outward),
-            half,
-            padding,
+            lower: lanes(lower.map(|c| c - padding)),
+            upper: lanes(upper.map(|c| c + padding)),
+            below: lanes(middle.map(|c| c + padding)),
+            above: lanes(middle.map(|c| c - padding)),
+            middle: DVec3::from_array(middle.map(f64::from)),
+            quarter,
+            reach: DVec3::splat(quarter + f64::from(padding)),
         }
     }
 
     /// Bit i: the triangle meets child i, dilated. The triangle must meet the dilated cell.
     #[inline]
     pub(crate) fn children_met(&self, corners: &[[f32; 3]; 3]) -> u8 {
-        let (mut candidates, mut straddled, mut is_inside) = (0xff_u8, 0, true);
-        for (k, in_upper) in UPPER.into_iter().enumerate() {
-            let (low, high) = range(corners, k);
-            let (is_low, is_high) = (low <= self.middle[k] + self.padding, high >= self.middle[k] - self.padding);
-            candidates &= if is_low { 0xff } else { in_upper } & if is_high { 0xff } else { !in_upper };
-            straddled += u32::from(is_low && is_high);
-            is_inside &= low >= self.lower[k] && high <= self.upper[k];
-        }
+        let [a, b, c] = corners.map(lanes);
+        let (low, high) = (a.fast_min(b).fast_min(c), a.fast_max(b).fast_max(c));
+        let (is_low, is_high) = (axes(low.simd_le(self.below)), axes(high.simd_ge(self.above)));
+        let candidates = BELOW[is_low] & ABOVE[is_high];
+        let straddled = (is_low & is_high).count_ones();
         // Inside the cell and across one plane only: a corner on either side proves both children.
-        if straddled == 0 || (straddled == 1 && is_inside) {
+        if straddled == 0 || (straddled == 1 && self.is_inside(low, high)) {
             return candidates;
         }
+        self.children_among(candidates, corners)
+    }
+
+    #[inline]
+    fn is_inside(&self, low: f32x4, high: f32x4) -> bool {
+        axes(low.simd_ge(self.lower) & high.simd_le(self.upper)) == 7
+    }
+
+    /// Those of some children that the triangle meets.
+    #[inline(never)]
+    fn children_among(&self, candidates: u8, corners: &[[f32; 3]; 3]) -> u8 {
+        // Children that hold a corner need no proof.
+        let met = corners
+            .map(lanes)
+            .into_iter()
+            .filter(|corner| self.is_inside(*corner, *corner))
+            .fold(0, |met, c| met | BELOW[axes(c.simd_le(self.below))] & ABOVE[axes(c.simd_ge(self.above))]);
+        if met == candidates {
+            return met;
+        }
         let triangle = Overlap::new(corners);
-        let half = f64::from(self.half);
-        let reach = DVec3::splat(0.5 * half + f64::from(self.padding));
         let centre = |child: u8| {
-            let side = |k: usize| if UPPER[k] >> child & 1 == 1 { 0.5 * half } else { -0.5 * half };
-            DVec3::from_array(self.middle.map(f64::from)) + DVec3::from_array([0, 1, 2].map(side))
+            let side = |k: usize| if UPPER[k] >> child & 1 == 1 { self.quarter } else { -self.quarter };
+            self.middle + DVec3::new(side(0), side(1), side(2))
         };
-        let candidates = (0..8).filter(|child| candidates >> child & 1 == 1);
-        candidates.fold(0, |met, child| met | u8::from(triangle.meets(centre(child), reach)) << child)
+        let left = (0..8).filter(|child| (candidates & !met) >> child & 1 == 1);
+        left.fold(met, |met, child| met | u8::from(triangle.meets(centre(child), self.reach)) << child)
     }
 }
 
 /// Bit i of mask k: child i is in the upper half of axis k.
 const UPPER: [u8; 3] = [0b1010_1010, 0b1100_1100, 0b1111_0000];
+/// By the axes along which something reaches into the lower half: the children that it may meet.
+const BELOW: [u8; 8] = but_for(UPPER);
+/// The same of upper halves.
+const ABOVE: [u8; 8] = but_for([!UPPER[0], !UPPER[1], !UPPER[2]]);
 
-fn range(corners: &[[f32; 3]; 3], k: usize) -> (f32, f32) {
-    let [a, b, c] = corners.map(|corner| corner[k]);
-    (a.min(b).min(c), a.max(b).max(c))
+/// Entry i: the children that are, along every axis whose bit in i is clear, in the other half.
+const fn but_for(other: [u8; 3]) -> [u8; 8] {
+    let mut children = [0xff; 8];
+    let mut at = 0;
+    while at < 3 * 8 {
+        let (reaches, k) = (at / 3, at % 3);
+        if reaches >> k & 1 == 0 {
+            children[reaches] &= other[k];
+        }
+        at += 1;
+    }
+    children
+}
+
+#[inline]
+fn lanes([x, y, z]: [f32; 3]) -> f32x4 {
+    f32x4::new([x, y, z, 0.0])
+}
+
+/// The axes whose lanes are set, as bits.
+#[inline]
+fn axes(set: f32x4) -> usize {
+    set.to_bitmask() as usize & 7
 }
