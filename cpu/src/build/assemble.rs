@@ -8,7 +8,7 @@ use leafwalk_core::{Octree, Policy, Standard};
 use rayon::prelude::*;
 
 use super::branch;
-use super::leaf::{self, block_count};
+use super::leaf::{self, Listing, block_count};
 use super::link::{Linked, Payloads, link};
 use super::monitor::Monitor;
 use super::normalise::Normalised;
@@ -101,21 +101,6 @@ impl Policy for Touching {
     const KEEPS_MESH_MARGIN: bool = false;
 }
 
-/// What some leaves list.
-struct Listing {
-    payloads: Vec<Payload>,
-    /// Of each leaf, block after block.
-    references: Vec<u32>,
-    /// How many of them each leaf has.
-    counts: Vec<usize>,
-}
-
-impl Listing {
-    fn blocks(&self) -> usize {
-        self.payloads.iter().map(|payload| payload.count as usize).sum()
-    }
-}
-
 /// Groups what each leaf lists, tasks in parallel.
 fn list_leaves(
     normalised: &Normalised,
@@ -138,16 +123,12 @@ fn list_leaves(
     monitor.check(0.0)?;
     let list = |(leaves, mut block): (&[u32], usize)| {
         monitor.check_cancelled()?;
-        let mut listing = Listing { payloads: Vec::new(), references: Vec::new(), counts: Vec::new() };
+        let mut listing = Listing::default();
         for leaf in leaves {
-            let (start, cell) = (listing.references.len(), tree.nodes[*leaf as usize].key);
-            listing.references.extend_from_slice(references(leaf));
-            let own = &mut listing.references[start..];
+            let (cell, references) = (tree.nodes[*leaf as usize].key, references(leaf));
             let payload = first[*leaf as usize];
-            let payloads = leaf::list(cell, own, &normalised.triangles, settings, payload, block as u32);
-            block += block_count(own.len());
-            listing.counts.push(own.len());
-            listing.payloads.extend(payloads);
+            listing.list(cell, references, &normalised.triangles, settings, payload, block as u32);
+            block += block_count(references.len());
         }
         Ok(listing)
     };

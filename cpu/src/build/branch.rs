@@ -1,8 +1,10 @@
 //! The hierarchy over the blocks: split by the surface area heuristic (Wald 2007, binned), eight children a branch.
 
-use leafwalk_core::layout::{BRANCH_WIDTH, Branch, Child, LatticeBox, MAX_DEPTH, Payload};
+use leafwalk_core::layout::{BRANCH_WIDTH, Branch, Child, MAX_DEPTH, Payload};
 use rayon::prelude::*;
-use wide::{f32x4, i16x8, i32x4};
+use wide::{f32x4, i32x4};
+
+use super::bounds::Bounds;
 
 /// Candidate planes an axis, less one.
 const BINS: usize = 16;
@@ -11,49 +13,6 @@ const BINS: usize = 16;
 const BY_AREA: usize = MAX_DEPTH - 10;
 /// Blocks for which a second thread is worth its while.
 const PARALLEL: usize = 2048;
-
-/// A box such that the smallest around two of them is the least of each number: lower sides, upper sides negated, nothing.
-#[derive(Clone, Copy, Debug)]
-struct Bounds(i16x8);
-
-impl Bounds {
-    const EMPTY: Self = Self(i16x8::new([i16::MAX; 8]));
-
-    fn new((lower, upper): LatticeBox) -> Self {
-        let [a, b, c] = lower.map(|side| (side ^ 0x8000) as i16);
-        let [d, e, f] = upper.map(|side| (!side ^ 0x8000) as i16);
-        Self(i16x8::new([a, b, c, d, e, f, 0, 0]))
-    }
-
-    fn boxed(self) -> LatticeBox {
-        let [a, b, c, d, e, f, ..] = self.0.to_array();
-        ([a, b, c].map(|side| side as u16 ^ 0x8000), [d, e, f].map(|side| !(side as u16 ^ 0x8000)))
-    }
-
-    fn around(items: &[Item]) -> Self {
-        items.iter().fold(Self::EMPTY, |bounds, item| bounds.join(item.bounds))
-    }
-
-    #[inline]
-    fn join(self, other: Self) -> Self {
-        Self(self.0.min(other.0))
-    }
-
-    /// Half of a box's surface in square lattice steps.
-    #[inline]
-    fn area(self) -> f32 {
-        let [a, b, c, d, e, f, ..] = self.0.to_array().map(i32::from);
-        let [x, y, z] = [a + d, b + e, c + f].map(|extent| -extent as f32);
-        x * y + y * z + z * x
-    }
-
-    /// Twice the middle, along each axis, but for a constant.
-    #[inline]
-    fn centre(self) -> [i32; 3] {
-        let [a, b, c, d, e, f, ..] = self.0.to_array().map(i32::from);
-        [a - d, b - e, c - f]
-    }
-}
 
 /// A block to be put somewhere.
 #[derive(Clone, Copy, Debug)]
@@ -74,6 +33,10 @@ impl Item {
     }
 }
 
+fn around(items: &[Item]) -> Bounds {
+    items.iter().fold(Bounds::EMPTY, |bounds, item| bounds.join(item.bounds))
+}
+
 /// Some blocks and the box around them.
 type Part<'a> = (Bounds, &'a mut [Item]);
 
@@ -87,7 +50,7 @@ pub(crate) fn grow(payloads: &[Payload]) -> Vec<Branch> {
     if items.is_empty() {
         return Vec::new();
     }
-    let bounds = Bounds::around(&items);
+    let bounds = around(&items);
     subtree((bounds, &mut items), 0)
 }
 
@@ -315,12 +278,12 @@ fn by_number(items: &mut [Item]) -> (usize, [Bounds; 2]) {
 fn halves(items: &[Item]) -> (usize, [Bounds; 2]) {
     let middle = items.len() / 2;
     let (left, right) = items.split_at(middle);
-    (middle, [left, right].map(Bounds::around))
+    (middle, [left, right].map(around))
 }
 
 #[cfg(test)]
 mod tests {
-    use leafwalk_core::layout::ABSENT;
+    use leafwalk_core::layout::{ABSENT, LatticeBox};
 
     use super::*;
 

@@ -1,6 +1,7 @@
 //! Mesh -> octree words: normalise, split and balance, link, fill leaves.
 
 mod assemble;
+mod bounds;
 mod branch;
 mod clip;
 mod error;
@@ -9,6 +10,8 @@ mod link;
 mod monitor;
 mod normalise;
 mod overlap;
+mod part;
+mod span;
 mod tree;
 
 use core::ops::ControlFlow;
@@ -17,9 +20,9 @@ use leafwalk_core::Octree;
 use leafwalk_core::layout::{MAX_LEVEL, PADDING};
 
 pub use error::BuildError;
-pub(crate) use leaf::box_inside;
 pub(crate) use normalise::{NonFinite, Normalised, normalise, normalise_with};
 pub(crate) use overlap::Split;
+pub(crate) use part::box_inside;
 
 use crate::mesh::Mesh;
 use monitor::Monitor;

@@ -4,6 +4,8 @@ use glam::DVec3;
 use leafwalk_core::layout::{Key, LATTICE_STEP};
 use wide::f32x4;
 
+use super::span::{Span, axes, lanes};
+
 /// Relative slack of a separating-axis test. The projected half extent of a dilated cell is at least 2^-19 times the
 /// axis, and the rounding of the projected corners at most 2^-50 times it: 2^-31, doubled.
 const SLACK: f64 = 1.0 + 1.0 / (1u64 << 30) as f64;
@@ -51,8 +53,7 @@ impl Overlap {
 
 /// A cell about to be split: its planes, dilated by the padding.
 pub(crate) struct Split {
-    lower: f32x4,
-    upper: f32x4,
+    dilated: Span,
     /// Where the lower children end.
     below: f32x4,
     /// Where the upper children begin.
@@ -72,8 +73,7 @@ impl Split {
         let middle = lower.map(|c| c + half);
         let quarter = 0.5 * f64::from(half);
         Self {
-            lower: lanes(lower.map(|c| c - padding)),
-            upper: lanes(upper.map(|c| c + padding)),
+            dilated: Span::new(lower.map(|c| c - padding), upper.map(|c| c + padding)),
             below: lanes(middle.map(|c| c + padding)),
             above: lanes(middle.map(|c| c - padding)),
             middle: DVec3::from_array(middle.map(f64::from)),
@@ -85,32 +85,32 @@ impl Split {
     /// Bit i: the triangle meets child i, dilated. The triangle must meet the dilated cell.
     #[inline]
     pub(crate) fn children_met(&self, corners: &[[f32; 3]; 3]) -> u8 {
-        let [a, b, c] = corners.map(lanes);
-        let (low, high) = (a.fast_min(b).fast_min(c), a.fast_max(b).fast_max(c));
-        let (is_low, is_high) = (axes(low.simd_le(self.below)), axes(high.simd_ge(self.above)));
+        let whole = Span::around(corners);
+        let (is_low, is_high) = self.halves(whole);
         let candidates = BELOW[is_low] & ABOVE[is_high];
         let straddled = (is_low & is_high).count_ones();
         // Inside the cell and across one plane only: a corner on either side proves both children.
-        if straddled == 0 || (straddled == 1 && self.is_inside(low, high)) {
+        if straddled == 0 || (straddled == 1 && self.dilated.holds(&whole)) {
             return candidates;
         }
         self.children_among(candidates, corners)
     }
 
+    /// The axes along which something reaches into the lower half, and into the upper one.
     #[inline]
-    fn is_inside(&self, low: f32x4, high: f32x4) -> bool {
-        axes(low.simd_ge(self.lower) & high.simd_le(self.upper)) == 7
+    fn halves(&self, span: Span) -> (usize, usize) {
+        (axes(span.lower.simd_le(self.below)), axes(span.upper.simd_ge(self.above)))
     }
 
     /// Those of some children that the triangle meets.
     #[inline(never)]
     fn children_among(&self, candidates: u8, corners: &[[f32; 3]; 3]) -> u8 {
         // Children that hold a corner need no proof.
-        let met = corners
-            .map(lanes)
-            .into_iter()
-            .filter(|corner| self.is_inside(*corner, *corner))
-            .fold(0, |met, c| met | BELOW[axes(c.simd_le(self.below))] & ABOVE[axes(c.simd_ge(self.above))]);
+        let points = corners.map(lanes).map(|corner| Span { lower: corner, upper: corner });
+        let met = points.into_iter().filter(|point| self.dilated.holds(point)).fold(0, |met, point| {
+            let (is_low, is_high) = self.halves(point);
+            met | BELOW[is_low] & ABOVE[is_high]
+        });
         if met == candidates {
             return met;
         }
@@ -143,15 +143,4 @@ const fn but_for(other: [u8; 3]) -> [u8; 8] {
         at += 1;
     }
     children
-}
-
-#[inline]
-fn lanes([x, y, z]: [f32; 3]) -> f32x4 {
-    f32x4::new([x, y, z, 0.0])
-}
-
-/// The axes whose lanes are set, as bits.
-#[inline]
-fn axes(set: f32x4) -> usize {
-    set.to_bitmask() as usize & 7
 }

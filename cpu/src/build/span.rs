@@ -1,0 +1,39 @@
+//! `Span`: boxes in lattice units, all axes at a time.
+
+use wide::f32x4;
+
+/// A box; the fourth lane means nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub(super) lower: f32x4,
+    pub(super) upper: f32x4,
+}
+
+impl Span {
+    pub(super) fn new(lower: [f32; 3], upper: [f32; 3]) -> Self {
+        Self { lower: lanes(lower), upper: lanes(upper) }
+    }
+
+    #[inline]
+    pub(super) fn around(corners: &[[f32; 3]; 3]) -> Self {
+        let [a, b, c] = corners.map(lanes);
+        Self { lower: a.fast_min(b).fast_min(c), upper: a.fast_max(b).fast_max(c) }
+    }
+
+    /// Whether another box reaches nowhere out of this one.
+    #[inline]
+    pub(super) fn holds(&self, other: &Self) -> bool {
+        axes(other.lower.simd_ge(self.lower) & other.upper.simd_le(self.upper)) == 7
+    }
+}
+
+#[inline]
+pub(super) fn lanes([x, y, z]: [f32; 3]) -> f32x4 {
+    f32x4::new([x, y, z, 0.0])
+}
+
+/// The axes whose lanes are set, as bits.
+#[inline]
+pub(super) fn axes(set: f32x4) -> usize {
+    set.to_bitmask() as usize & 7
+}
