@@ -178,7 +178,7 @@ impl Builder {
             padding: if self.spoiled == Spoiled::Padding { 0.0 } else { PADDING },
             spoiled: self.spoiled,
         };
-        settings.check_memory(mesh.triangles.len() as u64 * normalise::BYTES_PER_TRIANGLE)?;
+        settings.check_memory(normalise::bytes_needed(mesh))?;
         let normalised = self.normalise(mesh)?;
         let tree = Tree::grow(&normalised.triangles, &settings, &monitor.part(0.05, 0.6))?;
         assemble::assemble(mesh, &normalised, &tree, &settings, &monitor.part(0.6, 1.0))
