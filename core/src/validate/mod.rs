@@ -102,24 +102,28 @@ fn links(parts: &Parts<'_>, number: u32, leaf: &Record) -> Result<(), DecodeErro
     Ok(())
 }
 
-/// Checks a block; returns how many triangles it holds.
+/// Checks a block, all lanes at once; returns how many triangles it holds.
 fn block(block: &Block, number: u32, primitives: u32, margin: f32) -> Result<u32, DecodeError> {
-    let mut triangles = 0;
-    let inside = margin..=1.0 - margin;
-    for lane in 0..BLOCK_WIDTH {
-        let corners = block.corners(lane);
-        let is_right = if block.primitives[lane] == NONE {
-            lane > 0 && block.primitives[0] != NONE && corners == block.corners(0)
-        } else {
-            triangles += 1;
-            let in_range = |c: &f32| inside.contains(c) && (c.to_bits() == 0 || *c >= SMALLEST);
-            block.primitives[lane] < primitives && corners.as_flattened().iter().all(in_range)
-        };
-        if !is_right {
-            return Err(DecodeError::BadBlock { block: number, lane: lane as u32 });
+    // Floats that are not negative are ordered as their bits are; NaN and those below zero are outside as integers.
+    let (least, most) = (margin.max(SMALLEST).to_bits() as i32, (1.0 - margin).to_bits() as i32);
+    let zero = u32::from(margin == 0.0);
+    let (mut outside, mut unlike_first) = ([0; BLOCK_WIDTH], [0; BLOCK_WIDTH]);
+    for coordinates in block.vertices.as_flattened() {
+        let bits = coordinates.map(|c| c.to_bits() as i32);
+        for lane in 0..BLOCK_WIDTH {
+            let is_zero = zero & u32::from(bits[lane] == 0);
+            outside[lane] |= u32::from(bits[lane] < least) & !is_zero | u32::from(bits[lane] > most);
+            unlike_first[lane] |= bits[lane] ^ bits[0];
         }
     }
-    Ok(triangles)
+    let is_wrong = |lane: usize| match block.primitives[lane] {
+        NONE => lane == 0 || unlike_first[lane] != 0,
+        primitive => primitive >= primitives || outside[lane] != 0,
+    };
+    match (0..BLOCK_WIDTH).find(|lane| is_wrong(*lane)) {
+        Some(lane) => Err(DecodeError::BadBlock { block: number, lane: lane as u32 }),
+        None => Ok(block.primitives.iter().filter(|primitive| **primitive != NONE).count() as u32),
+    }
 }
 
 /// Each entry of the grid names the deepest node, no finer than the grid, whose cell holds the entry's.
