@@ -184,10 +184,10 @@ impl Bin {
         bins.iter().fold(Self::EMPTY, |all, bin| all.join(*bin))
     }
 
-    /// Expected tests of a ray that meets the parent, but for a factor.
+    /// Expected tests of a ray that meets the parent, but for a factor; of a bin that is not empty.
     #[inline]
     fn cost(self) -> f32 {
-        if self.count == 0 { 0.0 } else { self.bounds.area() * self.count as f32 }
+        self.bounds.area() * self.count as f32
     }
 }
 
@@ -234,14 +234,18 @@ fn by_area(items: &mut [Item]) -> (usize, [Bounds; 2]) {
     }
     let mut best = (f32::INFINITY, 0, 0);
     for (k, bins) in bins.iter().enumerate().filter(|(k, _)| extent[*k] > 0) {
+        // A plane behind an empty bin parts the blocks as the one before does.
+        let is_new = |plane: usize| bins[plane - 1].count > 0;
         let mut costs_above = [0.0; BINS];
         let mut above = Bin::EMPTY;
         for plane in (1..used).rev() {
             above = above.join(bins[plane]);
-            costs_above[plane] = above.cost();
+            if is_new(plane) {
+                costs_above[plane] = above.cost();
+            }
         }
         let mut below = Bin::EMPTY;
-        for plane in 1..used {
+        for plane in (1..used).filter(|plane| is_new(*plane)) {
             below = below.join(bins[plane - 1]);
             let cost = below.cost() + costs_above[plane];
             if cost < best.0 {

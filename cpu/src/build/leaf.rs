@@ -84,16 +84,16 @@ fn group(keys: &mut [u64], parts: &[Part]) {
     if keys.len() <= BLOCK_WIDTH {
         return;
     }
-    let first = parts[place(keys[0])].centre;
-    let (low, high) = keys.iter().fold((first, first), |(low, high): (f32x4, f32x4), key| {
-        let centre = parts[place(*key)].centre;
+    let first = f32x4::new(parts[place(keys[0])].centre);
+    let (low, high) = keys.iter().fold((first, first), |(low, high), key| {
+        let centre = f32x4::new(parts[place(*key)].centre);
         (low.fast_min(centre), high.fast_max(centre))
     });
     let [x, y, z, _] = (high - low).to_array();
     let axis = if x >= y && x >= z { 0 } else { 1 + usize::from(z > y) };
     for key in &mut *keys {
         // Centres are sums of sides inside the dilated root, not negative but for the smallest of roundings.
-        let order = parts[place(*key)].centre.to_array()[axis].max(0.0).to_bits();
+        let order = parts[place(*key)].centre[axis].max(0.0).to_bits();
         *key = u64::from(order) << 32 | *key & u64::from(u32::MAX);
     }
     // The left half fills whole blocks, so that only the last block of a leaf has vacant lanes.

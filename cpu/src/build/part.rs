@@ -12,7 +12,7 @@ use super::span::Span;
 pub(super) struct Part {
     pub(super) bounds: Bounds,
     /// Twice the middle, in lattice units.
-    pub(super) centre: f32x4,
+    pub(super) centre: [f32; 4],
 }
 
 /// A leaf's cell.
@@ -42,7 +42,7 @@ impl Cell {
     pub(super) fn part(&self, corners: &[[f32; 3]; 3]) -> Part {
         let whole = Span::around(corners);
         if self.dilated.holds(&whole) {
-            return self.inside(whole.lower + whole.upper, steps(whole.lower), steps(whole.upper));
+            return self.inside((whole.lower + whole.upper).to_array(), steps(whole.lower), steps(whole.upper));
         }
         self.clipped(corners, &whole)
     }
@@ -50,15 +50,15 @@ impl Cell {
     #[inline(never)]
     fn clipped(&self, corners: &[[f32; 3]; 3], whole: &Span) -> Part {
         let Some((lower, upper)) = clipped_bounds(corners, whole, &self.dilated) else {
-            return Part { bounds: self.least, centre: self.dilated.lower + self.dilated.upper };
+            return Part { bounds: self.least, centre: (self.dilated.lower + self.dilated.upper).to_array() };
         };
-        let centre: [f64; 4] = core::array::from_fn(|k| lower[k] + upper[k]);
+        let centre = core::array::from_fn(|k| (lower[k] + upper[k]) as f32);
         // Exact, and what is above -1 becomes 0.
         let steps = |sides: [f64; 4]| i32x4::new(sides.map(|side| (side * f64::from(LATTICE)) as i32));
-        self.inside(f32x4::new(centre.map(|c| c as f32)), steps(lower), steps(upper))
+        self.inside(centre, steps(lower), steps(upper))
     }
 
-    fn inside(&self, centre: f32x4, first: i32x4, last: i32x4) -> Part {
+    fn inside(&self, centre: [f32; 4], first: i32x4, last: i32x4) -> Part {
         Part { bounds: Bounds::of_steps(first, last).clamp(self.least, self.most), centre }
     }
 }

@@ -16,7 +16,10 @@ impl Span {
 
     #[inline]
     pub(super) fn around(corners: &[[f32; 3]; 3]) -> Self {
-        let [a, b, c] = corners.map(lanes);
+        // Corners one behind the other are loaded at once, with the first number of the next.
+        let &[a0, a1, a2, b0, b1, b2, c0, c1, c2] = corners.as_flattened() else { unreachable!("nine numbers") };
+        let (a, b) = (f32x4::new([a0, a1, a2, b0]), f32x4::new([b0, b1, b2, c0]));
+        let c = lanes([c0, c1, c2]);
         Self { lower: a.fast_min(b).fast_min(c), upper: a.fast_max(b).fast_max(c) }
     }
 
