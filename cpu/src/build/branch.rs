@@ -119,8 +119,15 @@ fn parts(part: Part<'_>, depth: usize) -> Vec<Part<'_>> {
     worths[0] = worth(&part);
     parts.push(part);
     while parts.len() < BRANCH_WIDTH {
-        let widest = (0..parts.len()).max_by(|&a, &b| worths[a].total_cmp(&worths[b]));
-        let Some(widest) = widest.filter(|&at| worths[at] > f32::NEG_INFINITY) else { break };
+        let (mut most, mut widest) = (f32::NEG_INFINITY, 0);
+        for (at, &worth) in worths[..parts.len()].iter().enumerate() {
+            if worth >= most {
+                (most, widest) = (worth, at);
+            }
+        }
+        if most == f32::NEG_INFINITY {
+            break;
+        }
         let (_, items) = parts.swap_remove(widest);
         worths[widest] = worths[parts.len()];
         let (middle, bounds) = if depth < BY_AREA { by_area(items) } else { by_number(items) };

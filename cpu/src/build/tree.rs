@@ -329,32 +329,43 @@ impl Grower<'_> {
     }
 }
 
-/// Copies the references of split nodes to their children, in order.
-fn scatter(open: &[Open], proposals: &[Option<Proposal>], references: &[u32], masks: &[u8], to: &mut [u32]) {
-    let mut rest = to;
-    let mut jobs: Vec<(&[u32], &[u8], [&mut [u32]; 8])> = Vec::new();
-    for (open, proposal) in open.iter().zip(proposals) {
-        let Some(proposal) = proposal else { continue };
-        let run = open.start..open.start + open.len;
-        let chunks = references[run.clone()].chunks(BIN_CHUNK).zip(masks[run].chunks(BIN_CHUNK));
-        let first = jobs.len();
-        jobs.extend(chunks.map(|(references, masks)| (references, masks, Default::default())));
-        for child in 0..8 {
-            for ((.., lists), counts) in jobs[first..].iter_mut().zip(&proposal.chunks) {
-                (lists[child], rest) = core::mem::take(&mut rest).split_at_mut(counts[child]);
-            }
-        }
-    }
-    jobs.into_par_iter().for_each(|(references, masks, lists)| {
+/// A run of a split node's references, and where each child's go.
+struct Run<'a> {
+    references: &'a [u32],
+    masks: &'a [u8],
+    lists: [&'a mut [u32]; 8],
+}
+
+impl Run<'_> {
+    fn scatter(self) {
         let mut ends = [0; 8];
-        for (&reference, &mask) in references.iter().zip(masks) {
+        for (&reference, &mask) in self.references.iter().zip(self.masks) {
             let mut met = mask;
             while met != 0 {
                 let child = met.trailing_zeros() as usize;
-                lists[child][ends[child]] = reference;
+                self.lists[child][ends[child]] = reference;
                 ends[child] += 1;
                 met &= met - 1;
             }
         }
-    });
+    }
+}
+
+/// Copies the references of split nodes to their children, in order.
+fn scatter(open: &[Open], proposals: &[Option<Proposal>], references: &[u32], masks: &[u8], to: &mut [u32]) {
+    let mut rest = to;
+    let mut runs: Vec<Run<'_>> = Vec::new();
+    for (open, proposal) in open.iter().zip(proposals) {
+        let Some(proposal) = proposal else { continue };
+        let all = open.start..open.start + open.len;
+        let chunks = references[all.clone()].chunks(BIN_CHUNK).zip(masks[all].chunks(BIN_CHUNK));
+        let first = runs.len();
+        runs.extend(chunks.map(|(references, masks)| Run { references, masks, lists: Default::default() }));
+        for child in 0..8 {
+            for (run, counts) in runs[first..].iter_mut().zip(&proposal.chunks) {
+                (run.lists[child], rest) = core::mem::take(&mut rest).split_at_mut(counts[child]);
+            }
+        }
+    }
+    runs.into_par_iter().for_each(Run::scatter);
 }
