@@ -8,7 +8,7 @@ use leafwalk_core::{Octree, Policy, Standard};
 use rayon::prelude::*;
 
 use super::branch;
-use super::leaf::{self, Listing, block_count};
+use super::leaf::{self, Lister, Listing, block_count};
 use super::link::{Linked, Payloads, link};
 use super::monitor::Monitor;
 use super::normalise::Normalised;
@@ -123,14 +123,13 @@ fn list_leaves(
     monitor.check(0.0)?;
     let list = |(leaves, mut block): (&[u32], usize)| {
         monitor.check_cancelled()?;
-        let mut listing = Listing::default();
+        let mut lister = Lister::new(&normalised.triangles, settings);
         for leaf in leaves {
-            let (cell, references) = (tree.nodes[*leaf as usize].key, references(leaf));
-            let payload = first[*leaf as usize];
-            listing.list(cell, references, &normalised.triangles, settings, payload, block as u32);
+            let references = references(leaf);
+            lister.list(tree.nodes[*leaf as usize].key, references, first[*leaf as usize], block as u32);
             block += block_count(references.len());
         }
-        Ok(listing)
+        Ok(lister.listing)
     };
     let listings = tasks.into_par_iter().map(list).collect();
     monitor.check(1.0)?;

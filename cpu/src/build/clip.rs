@@ -14,7 +14,8 @@ const MOST_CORNERS: usize = 9;
 pub(super) fn clipped_bounds(corners: &[[f32; 3]; 3], whole: &Span, to: &Span) -> Option<([f64; 4], [f64; 4])> {
     let (low, high) = (whole.lower.to_array(), whole.upper.to_array());
     let (lower, upper) = (to.lower.to_array(), to.upper.to_array());
-    let (mut polygon, mut cut) = (&mut Polygon::EMPTY.clone(), &mut Polygon::EMPTY.clone());
+    let (mut first, mut second) = (Polygon::EMPTY, Polygon::EMPTY);
+    let (mut polygon, mut cut) = (&mut first, &mut second);
     for (corner, [x, y, z]) in polygon.corners.iter_mut().zip(corners) {
         *corner = [f64::from(*x), f64::from(*y), f64::from(*z), 0.0];
     }
@@ -35,7 +36,6 @@ pub(super) fn clipped_bounds(corners: &[[f32; 3]; 3], whole: &Span, to: &Span) -
     Some((low.to_array(), high.to_array()))
 }
 
-#[derive(Clone)]
 struct Polygon {
     corners: [[f64; 4]; MOST_CORNERS + 1],
     len: usize,

@@ -25,25 +25,35 @@ pub(crate) struct Listing {
     pub(crate) references: Vec<u32>,
     /// How many of them each leaf has.
     pub(crate) counts: Vec<usize>,
+}
+
+impl Listing {
+    pub(crate) fn blocks(&self) -> usize {
+        self.payloads.iter().map(|payload| payload.count as usize).sum()
+    }
+}
+
+/// Lists leaf after leaf, in memory that serves for all of them.
+pub(crate) struct Lister<'a> {
+    triangles: &'a [(u32, [[f32; 3]; 3])],
+    settings: &'a Settings,
+    pub(crate) listing: Listing,
     parts: Vec<Part>,
     keys: Vec<u64>,
     boxes: Vec<LatticeBox>,
 }
 
-impl Listing {
+impl<'a> Lister<'a> {
+    pub(crate) fn new(triangles: &'a [(u32, [[f32; 3]; 3])], settings: &'a Settings) -> Self {
+        let (parts, keys, boxes) = Default::default();
+        Self { triangles, settings, listing: Listing::default(), parts, keys, boxes }
+    }
+
     /// Adds a leaf whose references ascend; its payloads are numbered from `payload` on, their blocks from `block` on.
-    pub(crate) fn list(
-        &mut self,
-        cell: Key,
-        references: &[u32],
-        triangles: &[(u32, [[f32; 3]; 3])],
-        settings: &Settings,
-        payload: u32,
-        block: u32,
-    ) {
-        let cell = Cell::new(cell, settings.padding);
+    pub(crate) fn list(&mut self, cell: Key, references: &[u32], payload: u32, block: u32) {
+        let cell = Cell::new(cell, self.settings.padding);
         self.parts.clear();
-        self.parts.extend(references.iter().map(|reference| cell.part(&triangles[*reference as usize].1)));
+        self.parts.extend(references.iter().map(|reference| cell.part(&self.triangles[*reference as usize].1)));
         self.keys.clear();
         self.keys.extend(0..references.len() as u64);
         group(&mut self.keys, &self.parts);
@@ -51,23 +61,19 @@ impl Listing {
         for group in self.keys.chunks_mut(BLOCK_WIDTH) {
             // Ascending primitives, so that the block's bytes do not depend on how it was found.
             group.sort_unstable_by_key(|key| place(*key));
-            self.references.extend(group.iter().map(|key| references[place(*key)]));
+            self.listing.references.extend(group.iter().map(|key| references[place(*key)]));
             let bounds = group.iter().fold(Bounds::EMPTY, |all, key| all.join(self.parts[place(*key)].bounds));
-            self.boxes.push(spoil(bounds.boxed(), settings.spoiled));
+            self.boxes.push(spoil(bounds.boxed(), self.settings.spoiled));
         }
-        self.counts.push(references.len());
+        self.listing.counts.push(references.len());
         let (boxes, count) = (&self.boxes, payload_count(references.len()));
         let in_payload = |(i, own): (usize, &[LatticeBox])| {
-            let listing = Payload::of_boxes(core::array::from_fn(|b| own.get(b).copied().unwrap_or(ABSENT)));
-            let (lower, upper) = if i == 0 { hull(boxes.iter().copied()) } else { listing.hull() };
+            let boxed = Payload::of_boxes(core::array::from_fn(|b| own.get(b).copied().unwrap_or(ABSENT)));
+            let (lower, upper) = if i == 0 { hull(boxes.iter().copied()) } else { boxed.hull() };
             let next = if i + 1 == count { NONE } else { payload + i as u32 + 1 };
-            Payload { lower, upper, first: block + (i * PAYLOAD_BLOCKS) as u32, next, ..listing }
+            Payload { lower, upper, first: block + (i * PAYLOAD_BLOCKS) as u32, next, ..boxed }
         };
-        self.payloads.extend(boxes.chunks(PAYLOAD_BLOCKS).enumerate().map(in_payload));
-    }
-
-    pub(crate) fn blocks(&self) -> usize {
-        self.payloads.iter().map(|payload| payload.count as usize).sum()
+        self.listing.payloads.extend(boxes.chunks(PAYLOAD_BLOCKS).enumerate().map(in_payload));
     }
 }
 

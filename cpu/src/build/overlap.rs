@@ -59,9 +59,9 @@ pub(crate) struct Split {
     /// Where the upper children begin.
     above: f32x4,
     middle: DVec3,
-    /// A quarter of the cell's edge.
+    /// A quarter of the cell's edge: from its middle to those of its children.
     quarter: f64,
-    /// Half the edge of a child.
+    /// From the middle of a child to its sides, dilated.
     reach: DVec3,
 }
 
