@@ -153,20 +153,11 @@ pub fn seal(words: &mut [u32], spans: &Spans) {
     words[CHECKSUM_WORD] = checksum(words);
 }
 
-/// Checks preamble, checksum and section table, and returns the spans.
-pub(crate) fn open(words: &[u32]) -> Result<Spans, DecodeError> {
-    let sections = preamble(words)?;
+/// Checks preamble and checksum.
+pub(crate) fn check(words: &[u32]) -> Result<(), DecodeError> {
+    preamble(words)?;
     let (stored, computed) = (words[CHECKSUM_WORD], checksum(words));
-    if stored != computed {
-        return Err(DecodeError::Checksum { stored, computed });
-    }
-    table(words, sections)
-}
-
-/// As [`open`], of words that [`seal`] has just given their checksum.
-pub(crate) fn open_sealed(words: &[u32]) -> Result<Spans, DecodeError> {
-    let sections = preamble(words)?;
-    table(words, sections)
+    if stored == computed { Ok(()) } else { Err(DecodeError::Checksum { stored, computed }) }
 }
 
 /// Checks all words before the section table but the checksum; returns the number of sections.
@@ -188,9 +179,9 @@ fn preamble(words: &[u32]) -> Result<u32, DecodeError> {
     Ok(sections)
 }
 
-/// Checks the section table, and returns the spans.
-fn table(words: &[u32], sections: u32) -> Result<Spans, DecodeError> {
-    // The preamble says how many words there are.
+/// Checks preamble and section table, and returns the spans.
+pub(crate) fn open(words: &[u32]) -> Result<Spans, DecodeError> {
+    let sections = preamble(words)?;
     let total = words.len() as u32;
     let table_end = (sections as usize).checked_mul(TABLE_ROW).and_then(|n| n.checked_add(PREAMBLE_WORDS));
     let table = table_end.and_then(|end| words.get(PREAMBLE_WORDS..end));

@@ -56,9 +56,9 @@ fn normalise_into(
 ) -> Result<Normalised, BuildError> {
     check_counts(mesh)?;
     let used = used_vertices(mesh, non_finite)?;
-    let counted = || mesh.positions.par_iter().zip(&used).filter(|(_, used)| used.load(Relaxed));
+    let in_use = mesh.positions.par_iter().zip(&used).filter(|(_, used)| used.load(Relaxed));
     let empty = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    let bounds = counted().fold(|| empty, |bounds, (&position, _)| join(bounds, (position, position)));
+    let bounds = in_use.fold(|| empty, |bounds, (&position, _)| join(bounds, (position, position)));
     let (lower, upper) = bounds.reduce(|| empty, join);
     let frame = if lower[0] <= upper[0] { frame(lower, upper) } else { frame([0.0; 3], [0.0; 3]) };
 
