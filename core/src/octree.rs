@@ -32,12 +32,14 @@ impl<W: AsRef<[u32]>> Octree<W> {
     /// # Errors
     /// [`DecodeError`] names the first thing that is wrong. No content makes this, or tracing what it accepts, panic.
     pub fn from_words(words: W) -> Result<Self, DecodeError> {
-        Self::from_words_with::<Standard>(words)
+        wire::check(words.as_ref())?;
+        Self::from_sealed::<Standard>(words)
     }
 
-    /// [`Octree::from_words`] under a policy that tests may spoil.
+    /// As [`Octree::from_words`], under a policy that tests may spoil, of words that [`wire::seal`] has just given their
+    /// checksum: it is not computed again.
     #[doc(hidden)]
-    pub fn from_words_with<P: Policy>(words: W) -> Result<Self, DecodeError> {
+    pub fn from_sealed<P: Policy>(words: W) -> Result<Self, DecodeError> {
         let spans = wire::open(words.as_ref())?;
         validate::sections(&Parts::new(words.as_ref(), &spans)?, P::KEEPS_MESH_MARGIN)?;
         Ok(Self { words, spans })

@@ -163,11 +163,18 @@ pub fn seal(words: &mut [u32], spans: &Spans) {
     words[CHECKSUM_WORD] = checksum(words);
 }
 
-/// Checks preamble, checksum and section table, and returns the spans.
-pub(crate) fn open(words: &[u32]) -> Result<Spans, DecodeError> {
+/// Checks preamble and checksum.
+pub(crate) fn check(words: &[u32]) -> Result<(), DecodeError> {
+    preamble(words)?;
+    let (stored, computed) = (words[CHECKSUM_WORD], checksum(words));
+    if stored == computed { Ok(()) } else { Err(DecodeError::Checksum { stored, computed }) }
+}
+
+/// Checks all words before the section table but the checksum; returns the number of sections.
+fn preamble(words: &[u32]) -> Result<u32, DecodeError> {
     let preamble = words.get(..PREAMBLE_WORDS);
     let preamble = preamble.ok_or(DecodeError::Truncated { words: words.len(), needed: PREAMBLE_WORDS })?;
-    let &[magic, version, total, stored, sections] = preamble else { unreachable!("five words") };
+    let &[magic, version, total, _, sections] = preamble else { unreachable!("five words") };
     match magic {
         MAGIC => {}
         _ if magic == MAGIC.swap_bytes() => return Err(DecodeError::OtherEndianness),
@@ -179,10 +186,13 @@ pub(crate) fn open(words: &[u32]) -> Result<Spans, DecodeError> {
     if total as usize != words.len() {
         return Err(DecodeError::Truncated { words: words.len(), needed: total as usize });
     }
-    let computed = checksum(words);
-    if stored != computed {
-        return Err(DecodeError::Checksum { stored, computed });
-    }
+    Ok(sections)
+}
+
+/// Checks preamble and section table, and returns the spans.
+pub(crate) fn open(words: &[u32]) -> Result<Spans, DecodeError> {
+    let sections = preamble(words)?;
+    let total = words.len() as u32;
     let table_end = (sections as usize).checked_mul(TABLE_ROW).and_then(|n| n.checked_add(PREAMBLE_WORDS));
     let table = table_end.and_then(|end| words.get(PREAMBLE_WORDS..end));
     let table = table.ok_or(DecodeError::SectionTable { sections })?;
@@ -210,37 +220,23 @@ pub fn stored_checksum(words: &[u32]) -> Option<u32> {
 
 /// CRC-32 (IEEE 802.3) of the words as little-endian bytes, with the checksum word itself taken as zero.
 pub fn checksum(words: &[u32]) -> u32 {
-    let crc = words.iter().enumerate().fold(u32::MAX, |crc, (at, word)| {
-        let x = crc ^ if at == CHECKSUM_WORD { 0 } else { *word };
-        let byte = |k: u32| (x >> (8 * k) & 0xff) as usize;
-        CRC[3][byte(0)] ^ CRC[2][byte(1)] ^ CRC[1][byte(2)] ^ CRC[0][byte(3)]
-    });
-    !crc
+    let mut hasher = crc32fast::Hasher::new();
+    let (before, rest) = words.split_at(words.len().min(CHECKSUM_WORD));
+    hash(&mut hasher, before);
+    if let [_, after @ ..] = rest {
+        hash(&mut hasher, &[0]);
+        hash(&mut hasher, after);
+    }
+    hasher.finalize()
 }
 
-/// Row n: the CRC of a byte followed by n zero bytes, so that a word takes four look-ups at once.
-const CRC: [[u32; 256]; 4] = {
-    const REFLECTED_POLYNOMIAL: u32 = 0xedb8_8320;
-    let mut table = [[0; 256]; 4];
-    let mut i = 0;
-    while i < 256 {
-        let (mut crc, mut bit) = (i as u32, 0);
-        while bit < 8 {
-            crc = crc >> 1 ^ if crc & 1 == 1 { REFLECTED_POLYNOMIAL } else { 0 };
-            bit += 1;
-        }
-        table[0][i] = crc;
-        i += 1;
+fn hash(hasher: &mut crc32fast::Hasher, words: &[u32]) {
+    if cfg!(target_endian = "little") {
+        hasher.update(bytemuck::cast_slice(words));
+    } else {
+        words.iter().for_each(|word| hasher.update(&word.to_le_bytes()));
     }
-    let mut at = 256;
-    while at < 4 * 256 {
-        let (row, i) = (at / 256, at % 256);
-        let previous = table[row - 1][i];
-        table[row][i] = previous >> 8 ^ table[0][(previous & 0xff) as usize];
-        at += 1;
-    }
-    table
-};
+}
 
 #[cfg(test)]
 mod tests {

@@ -11,21 +11,43 @@ use crate::wire::Section;
 
 /// Checks all blocks, and that they hold as many triangles as the header says.
 pub(super) fn check(parts: &Parts<'_>, margin: f32) -> Result<(), DecodeError> {
-    let inside = margin..=1.0 - margin;
+    let primitives = parts.header.primitives;
     let references = match parts.blocks {
-        Blocks::Packed(blocks) => packed(blocks, parts.header.primitives, &inside)?,
-        Blocks::Indexed(blocks) => indexed(blocks, parts.header.primitives, &inside)?,
+        Blocks::Packed(blocks) => {
+            let mut references = 0;
+            for (number, block) in (0..).zip(blocks) {
+                references += packed(block, number, primitives, margin)?;
+            }
+            references
+        }
+        Blocks::Indexed(blocks) => indexed(blocks, primitives, &(margin..=1.0 - margin))?,
     };
     if references == parts.header.references { Ok(()) } else { Err(DecodeError::Header { field: "references" }) }
 }
 
-/// Checks blocks with corners; returns how many triangles they hold.
-fn packed(blocks: &[Block], primitives: u32, inside: &RangeInclusive<f32>) -> Result<u32, DecodeError> {
-    let mut references = 0;
-    for (number, block) in (0..).zip(blocks) {
-        references += lanes(&block.primitives, number, primitives, |lane| has_corners(block, lane, inside))?;
+/// Checks a block with corners, all lanes at once; returns how many triangles it holds. A vacant lane has the corners of the
+/// first one.
+fn packed(block: &Block, number: u32, primitives: u32, margin: f32) -> Result<u32, DecodeError> {
+    // Floats that are not negative are ordered as their bits are; NaN and those below zero are outside as integers.
+    let (least, most) = (margin.max(SMALLEST).to_bits() as i32, (1.0 - margin).to_bits() as i32);
+    let zero = u32::from(margin == 0.0);
+    let (mut outside, mut unlike_first) = ([0; BLOCK_WIDTH], [0; BLOCK_WIDTH]);
+    for coordinates in block.vertices.as_flattened() {
+        let bits = coordinates.map(|c| c.to_bits() as i32);
+        for lane in 0..BLOCK_WIDTH {
+            let is_zero = zero & u32::from(bits[lane] == 0);
+            outside[lane] |= u32::from(bits[lane] < least) & !is_zero | u32::from(bits[lane] > most);
+            unlike_first[lane] |= bits[lane] ^ bits[0];
+        }
     }
-    Ok(references)
+    let is_wrong = |lane: usize| match block.primitives[lane] {
+        NONE => lane == 0 || unlike_first[lane] != 0,
+        primitive => primitive >= primitives || outside[lane] != 0,
+    };
+    match (0..BLOCK_WIDTH).find(|lane| is_wrong(*lane)) {
+        Some(lane) => Err(DecodeError::BadBlock { block: number, lane: lane as u32 }),
+        None => Ok(block.primitives.iter().filter(|primitive| **primitive != NONE).count() as u32),
+    }
 }
 
 /// Checks blocks that name their vertices, and these; returns how many triangles they hold.
@@ -36,41 +58,19 @@ fn indexed(indexed: Indexed<'_>, primitives: u32, inside: &RangeInclusive<f32>) 
     }
     let (mut references, mut named) = (0, 0);
     for (number, block) in (0..).zip(blocks) {
-        let corners = |lane| names_vertices(block, lane, vertices.len(), &mut named);
-        references += lanes(&block.primitives, number, primitives, corners)?;
+        for (lane, primitive) in block.primitives.into_iter().enumerate() {
+            let is_vacant = primitive == NONE;
+            let has_primitive = if is_vacant { lane > 0 } else { primitive < primitives };
+            if !has_primitive || !names_vertices(block, lane, vertices.len(), &mut named) {
+                return Err(DecodeError::BadBlock { block: number, lane: lane as u32 });
+            }
+            references += u32::from(!is_vacant);
+        }
     }
     if named == vertices.len() {
         Ok(references)
     } else {
         Err(wrong_length(Section::Vertices, vertices.len(), VERTEX_WORDS))
-    }
-}
-
-/// Checks a block by its primitives and what is asked of the corners of each lane; returns how many triangles it holds.
-fn lanes(
-    own: &[u32; BLOCK_WIDTH],
-    number: u32,
-    primitives: u32,
-    mut has_corners: impl FnMut(usize) -> bool,
-) -> Result<u32, DecodeError> {
-    let mut triangles = 0;
-    for (lane, &primitive) in own.iter().enumerate() {
-        let is_vacant = primitive == NONE;
-        let has_primitive = if is_vacant { lane > 0 && own[0] != NONE } else { primitive < primitives };
-        if !has_primitive || !has_corners(lane) {
-            return Err(DecodeError::BadBlock { block: number, lane: lane as u32 });
-        }
-        triangles += u32::from(!is_vacant);
-    }
-    Ok(triangles)
-}
-
-/// A vacant lane has the corners of the first one.
-fn has_corners(block: &Block, lane: usize, inside: &RangeInclusive<f32>) -> bool {
-    let corners = block.corners(lane);
-    match block.primitives[lane] {
-        NONE => corners == block.corners(0),
-        _ => corners.iter().all(|corner| is_inside(corner, inside)),
     }
 }
 

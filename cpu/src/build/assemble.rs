@@ -1,16 +1,16 @@
 //! The sections as one run of words.
 
 use leafwalk_core::layout::{
-    BLOCK_WIDTH, BLOCK_WORDS, BRANCH_WORDS, Block, INDEXED_BLOCK_WORDS, KEY_WORDS, PADDING, PAYLOAD_WORDS, Payload,
-    RECORD_WORDS, VERTEX_WORDS,
+    BLOCK_WORDS, BRANCH_WORDS, Block, INDEXED_BLOCK_WORDS, KEY_WORDS, PADDING, PAYLOAD_WORDS, Payload, RECORD_WORDS,
+    VERTEX_WORDS,
 };
 use leafwalk_core::wire::{self, Header, Section};
-use leafwalk_core::{Octree, Policy};
+use leafwalk_core::{Octree, Policy, Standard};
 use rayon::prelude::*;
 
 use super::branch;
 use super::index::index;
-use super::leaf::{self, block_count};
+use super::leaf::{Lister, Listing, block_count};
 use super::link::{Linked, Payloads, link};
 use super::monitor::Monitor;
 use super::normalise::Normalised;
@@ -70,12 +70,11 @@ pub(crate) fn assemble(
         count: words,
         limit: u64::from(u32::MAX),
     })?;
-    let mut words = Vec::new();
     let needed = u64::from(total) * size_of::<u32>() as u64;
     settings.check_memory(needed)?;
-    let out_of_memory = BuildError::OutOfMemory { needed, limit: settings.memory_limit };
-    words.try_reserve_exact(total as usize).map_err(|_| out_of_memory)?;
-    words.resize(total as usize, 0u32);
+    // Zeroed by whoever maps the pages, on the threads that fill them.
+    let mut words = bytemuck::allocation::try_zeroed_vec(total as usize)
+        .map_err(|()| BuildError::OutOfMemory { needed, limit: settings.memory_limit })?;
 
     let mut rest = &mut words[..];
     let mut taken = 0;
@@ -101,8 +100,8 @@ pub(crate) fn assemble(
     section(Section::Materials).copy_from_slice(&mesh.material_ids);
     wire::seal(&mut words, &spans);
     let octree = match settings.spoiled {
-        Spoiled::MeshMargin => Octree::from_words_with::<Touching>(words),
-        _ => Octree::from_words(words),
+        Spoiled::MeshMargin => Octree::from_sealed::<Touching>(words),
+        _ => Octree::from_sealed::<Standard>(words),
     };
     Ok(octree.unwrap_or_else(|error| unreachable!("a build gives valid words: {error}")))
 }
@@ -112,32 +111,6 @@ pub(crate) fn assemble(
 struct Touching;
 impl Policy for Touching {
     const KEEPS_MESH_MARGIN: bool = false;
-}
-
-/// What some leaves list.
-struct Listing {
-    payloads: Vec<Payload>,
-    /// Of each leaf, block after block.
-    references: Vec<u32>,
-    /// How many of them each leaf has.
-    counts: Vec<usize>,
-}
-
-impl Listing {
-    fn block_count(&self) -> usize {
-        self.payloads.iter().map(|payload| payload.count as usize).sum()
-    }
-
-    /// Leaf after leaf; only the last of each has vacant lanes.
-    fn blocks(&self, triangles: &[(u32, [[f32; 3]; 3])]) -> impl Iterator<Item = Block> {
-        let mut references = &self.references[..];
-        let of_leaf = move |&count: &usize| {
-            let (own, tail) = references.split_at(count);
-            references = tail;
-            own.chunks(BLOCK_WIDTH)
-        };
-        self.counts.iter().flat_map(of_leaf).map(|group| leaf::pack(group, triangles))
-    }
 }
 
 /// Groups what each leaf lists, tasks in parallel.
@@ -162,18 +135,13 @@ fn list_leaves(
     monitor.check(0.0)?;
     let list = |(leaves, mut block): (&[u32], usize)| {
         monitor.check_cancelled()?;
-        let mut listing = Listing { payloads: Vec::new(), references: Vec::new(), counts: Vec::new() };
+        let mut lister = Lister::new(&normalised.triangles, settings);
         for leaf in leaves {
-            let (start, cell) = (listing.references.len(), tree.nodes[*leaf as usize].key);
-            listing.references.extend_from_slice(references(leaf));
-            let own = &mut listing.references[start..];
-            let payload = first[*leaf as usize];
-            let payloads = leaf::list(cell, own, &normalised.triangles, settings, payload, block as u32);
-            block += block_count(own.len());
-            listing.counts.push(own.len());
-            listing.payloads.extend(payloads);
+            let references = references(leaf);
+            lister.list(tree.nodes[*leaf as usize].key, references, first[*leaf as usize], block as u32);
+            block += block_count(references.len());
         }
-        Ok(listing)
+        Ok(lister.listing)
     };
     let listings = tasks.into_par_iter().map(list).collect();
     monitor.check(1.0)?;

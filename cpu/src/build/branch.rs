@@ -1,7 +1,10 @@
 //! The hierarchy over the blocks: split by the surface area heuristic (Wald 2007, binned), eight children a branch.
 
-use leafwalk_core::layout::{BRANCH_WIDTH, Branch, Child, LatticeBox, MAX_DEPTH, Payload, hull};
+use leafwalk_core::layout::{BRANCH_WIDTH, Branch, Child, MAX_DEPTH, Payload};
 use rayon::prelude::*;
+use wide::{f32x4, i32x4};
+
+use super::bounds::Bounds;
 
 /// Candidate planes an axis, less one.
 const BINS: usize = 16;
@@ -11,148 +14,162 @@ const BY_AREA: usize = MAX_DEPTH - 10;
 /// Blocks for which a second thread is worth its while.
 const PARALLEL: usize = 2048;
 
-/// A box such that the smallest around two of them is the least of each number: lower sides, upper sides negated, nothing.
-#[derive(Clone, Copy, Debug)]
-struct Bounds([i16; 8]);
-
-impl Bounds {
-    const EMPTY: Self = Self([i16::MAX; 8]);
-
-    fn new((lower, upper): LatticeBox) -> Self {
-        let [a, b, c] = lower.map(|side| (side ^ 0x8000) as i16);
-        let [d, e, f] = upper.map(|side| (!side ^ 0x8000) as i16);
-        Self([a, b, c, d, e, f, 0, 0])
-    }
-
-    fn boxed(self) -> LatticeBox {
-        let [a, b, c, d, e, f, ..] = self.0;
-        ([a, b, c].map(|side| side as u16 ^ 0x8000), [d, e, f].map(|side| !(side as u16 ^ 0x8000)))
-    }
-
-    /// Eight at once: a loop that compilers turn into one instruction.
-    #[inline]
-    fn join(self, other: Self) -> Self {
-        Self(core::array::from_fn(|i| self.0[i].min(other.0[i])))
-    }
-
-    /// Half of a box's surface in square lattice steps.
-    #[inline]
-    fn area(self) -> f32 {
-        let extent = |k: usize| -(f32::from(self.0[k]) + f32::from(self.0[k + 3]));
-        let [x, y, z] = [extent(0), extent(1), extent(2)];
-        x * y + y * z + z * x
-    }
-
-    /// Twice the middle.
-    #[inline]
-    fn centre(self, k: usize) -> i32 {
-        i32::from(self.0[k]) - i32::from(self.0[k + 3])
-    }
-}
-
 /// A block to be put somewhere.
 #[derive(Clone, Copy, Debug)]
 struct Item {
     bounds: Bounds,
-    block: u32,
+    /// The centre of the bounds, and the block's number beside it.
+    place: i32x4,
 }
 
-/// A subtree.
-enum Grown {
-    Block(u32),
-    Branch([Option<(LatticeBox, Box<Grown>)>; BRANCH_WIDTH]),
+impl Item {
+    fn new(block: u32, bounds: Bounds) -> Self {
+        let [x, y, z] = bounds.centre();
+        Self { bounds, place: i32x4::new([x, y, z, block as i32]) }
+    }
+
+    fn block(&self) -> u32 {
+        self.place.to_array()[3] as u32
+    }
 }
+
+fn around(items: &[Item]) -> Bounds {
+    items.iter().fold(Bounds::EMPTY, |bounds, item| bounds.join(item.bounds))
+}
+
+/// Some blocks and the box around them.
+type Part<'a> = (Bounds, &'a mut [Item]);
 
 /// The branches over all blocks that payloads list; none for none.
 pub(crate) fn grow(payloads: &[Payload]) -> Vec<Branch> {
-    let boxes =
-        payloads.iter().flat_map(|payload| (0..payload.count).map(|b| (payload.first + b, payload.boxed(b as usize))));
-    let mut items: Vec<Item> = boxes.map(|(block, boxed)| Item { bounds: Bounds::new(boxed), block }).collect();
+    let numbered = |payload: &Payload| {
+        let payload = *payload;
+        (0..payload.count).map(move |b| Item::new(payload.first + b, Bounds::new(payload.boxed(b as usize))))
+    };
+    let mut items: Vec<Item> = payloads.iter().flat_map(numbered).collect();
     if items.is_empty() {
         return Vec::new();
     }
+    let bounds = around(&items);
+    subtree((bounds, &mut items), 0)
+}
+
+/// A branch over one block or more, and those below it, numbered from 0.
+fn subtree(part: Part<'_>, depth: usize) -> Vec<Branch> {
     let mut branches = vec![Branch::VACANT];
-    if let Grown::Branch(children) = branch(&mut items, 0) {
-        write(&children, 0, &mut branches);
-    }
+    branch(part, depth, 0, &mut branches);
     branches
 }
 
-/// Puts children into a branch and those that are branches behind all others.
-fn write(children: &[Option<(LatticeBox, Box<Grown>)>; BRANCH_WIDTH], at: usize, branches: &mut Vec<Branch>) {
+/// Fills a branch, and puts those below it behind all others.
+fn branch(part: Part<'_>, depth: usize, at: usize, branches: &mut Vec<Branch>) {
+    let is_parallel = part.1.len() >= PARALLEL && rayon::current_num_threads() > 1;
     let mut next = branches.len();
-    for (slot, child) in children.iter().enumerate() {
-        let Some((boxed, grown)) = child else { continue };
-        let child = match **grown {
-            Grown::Block(block) => Child::Block(block),
-            Grown::Branch(_) => {
+    let mut inner = Vec::new();
+    for (slot, part) in in_slots(parts(part, depth)).into_iter().enumerate() {
+        let Some((bounds, items)) = part else { continue };
+        let child = match items {
+            [item] => Child::Block(item.block()),
+            _ => {
                 branches.push(Branch::VACANT);
+                inner.push((bounds, items));
                 Child::Branch(branches.len() as u32 - 1)
             }
         };
-        branches[at].put(slot, *boxed, child);
+        branches[at].put(slot, bounds.boxed(), child);
     }
-    for (_, grown) in children.iter().flatten() {
-        if let Grown::Branch(children) = &**grown {
-            write(children, next, branches);
+    if is_parallel {
+        let grown: Vec<Vec<Branch>> = inner.into_par_iter().map(|part| subtree(part, depth + 1)).collect();
+        for own in grown {
+            graft(&own, next, branches);
+            next += 1;
+        }
+    } else {
+        for part in inner {
+            branch(part, depth + 1, next, branches);
             next += 1;
         }
     }
 }
 
-/// A branch over one block or more.
-fn branch(items: &mut [Item], depth: usize) -> Grown {
-    let total = items.len();
-    let mut parts: Vec<(Bounds, &mut [Item])> = Vec::with_capacity(BRANCH_WIDTH);
-    parts.push((around(items), items));
-    while parts.len() < BRANCH_WIDTH {
-        let worth = |(bounds, items): &(Bounds, &mut [Item])| match items.len() {
-            1 => f32::NEG_INFINITY,
-            _ if depth < BY_AREA => bounds.area(),
-            count => count as f32,
+/// Puts the first branch of a subtree in its place, and the others behind all.
+fn graft(subtree: &[Branch], at: usize, branches: &mut Vec<Branch>) {
+    // Number 1 of the subtree becomes the next one here.
+    let before = branches.len() as u32 - 1;
+    let mut renumbered = subtree.iter().map(|branch| {
+        let moved = |word| match Child::from_word(word) {
+            Child::Branch(number) => Child::Branch(number + before).to_word(),
+            _ => word,
         };
-        let widest = (0..parts.len()).max_by(|&a, &b| worth(&parts[a]).total_cmp(&worth(&parts[b])));
-        let Some(widest) = widest.filter(|&at| parts[at].1.len() > 1) else { break };
-        let (_, items) = parts.swap_remove(widest);
-        let middle = if depth < BY_AREA { by_area(items) } else { by_number(items) };
-        let (left, right) = items.split_at_mut(middle);
-        parts.push((around(left), left));
-        parts.push((around(right), right));
-    }
-    let grow = |(bounds, items): (Bounds, &mut [Item])| match items {
-        [item] => (bounds.boxed(), Grown::Block(item.block)),
-        items => (bounds.boxed(), branch(items, depth + 1)),
-    };
-    let grown: Vec<(LatticeBox, Grown)> = if total >= PARALLEL {
-        parts.into_par_iter().map(grow).collect()
-    } else {
-        parts.into_iter().map(grow).collect()
-    };
-    Grown::Branch(in_slots(grown))
+        Branch { children: branch.children.map(moved), ..*branch }
+    });
+    branches[at] = renumbered.next().unwrap_or(Branch::VACANT);
+    branches.extend(renumbered);
 }
 
-/// Puts each child into the free octant that it lies in most of all; those far from the middle come first.
-fn in_slots(grown: Vec<(LatticeBox, Grown)>) -> [Option<(LatticeBox, Box<Grown>)>; BRANCH_WIDTH] {
-    let middle = |boxed: &LatticeBox, k: usize| f32::from(boxed.0[k]) + f32::from(boxed.1[k]);
-    let all = hull(grown.iter().map(|(boxed, _)| *boxed));
-    let off = |boxed: &LatticeBox| -> [f32; 3] { core::array::from_fn(|k| middle(boxed, k) - middle(&all, k)) };
-    let mut children: Vec<([f32; 3], (LatticeBox, Grown))> =
-        grown.into_iter().map(|child| (off(&child.0), child)).collect();
-    let distance = |off: &[f32; 3]| off.iter().map(|c| c.abs()).sum::<f32>();
-    children.sort_by(|a, b| distance(&b.0).total_cmp(&distance(&a.0)));
-    let mut slots = [const { None }; BRANCH_WIDTH];
-    for (off, (boxed, grown)) in children {
-        let along = |slot: usize| (0..3).map(|k| if slot >> k & 1 == 1 { off[k] } else { -off[k] }).sum::<f32>();
-        let free = (0..BRANCH_WIDTH).filter(|slot| slots[*slot].is_none());
-        if let Some(slot) = free.max_by(|a, b| along(*a).total_cmp(&along(*b))) {
-            slots[slot] = Some((boxed, Box::new(grown)));
+/// Parts blocks again and again where it pays most, until there are as many parts as a branch has slots.
+fn parts(part: Part<'_>, depth: usize) -> Vec<Part<'_>> {
+    let worth = |(bounds, items): &Part<'_>| match items.len() {
+        1 => f32::NEG_INFINITY,
+        _ if depth < BY_AREA => bounds.area(),
+        count => count as f32,
+    };
+    let mut parts = Vec::with_capacity(BRANCH_WIDTH);
+    let mut worths = [f32::NEG_INFINITY; BRANCH_WIDTH];
+    worths[0] = worth(&part);
+    parts.push(part);
+    while parts.len() < BRANCH_WIDTH {
+        let (mut most, mut widest) = (f32::NEG_INFINITY, 0);
+        for (at, &worth) in worths[..parts.len()].iter().enumerate() {
+            if worth >= most {
+                (most, widest) = (worth, at);
+            }
+        }
+        if most == f32::NEG_INFINITY {
+            break;
+        }
+        let (_, items) = parts.swap_remove(widest);
+        worths[widest] = worths[parts.len()];
+        let (middle, bounds) = if depth < BY_AREA { by_area(items) } else { by_number(items) };
+        let (left, right) = items.split_at_mut(middle);
+        for part in bounds.into_iter().zip([left, right]) {
+            worths[parts.len()] = worth(&part);
+            parts.push(part);
         }
     }
-    slots
+    parts
 }
 
-fn around(items: &[Item]) -> Bounds {
-    items.iter().fold(Bounds::EMPTY, |bounds, item| bounds.join(item.bounds))
+/// Puts each part into the free octant that it lies in most of all; those far from the middle come first.
+fn in_slots(parts: Vec<Part<'_>>) -> [Option<Part<'_>>; BRANCH_WIDTH] {
+    let all = parts.iter().fold(Bounds::EMPTY, |all, part| all.join(part.0)).centre();
+    let mut offs = [([0.0f32; 3], 0.0); BRANCH_WIDTH];
+    for ((bounds, _), off) in parts.iter().zip(&mut offs) {
+        let centre = bounds.centre();
+        let from_middle: [f32; 3] = core::array::from_fn(|k| (centre[k] - all[k]) as f32);
+        *off = (from_middle, from_middle.iter().map(|c| c.abs()).sum());
+    }
+    let mut order: [usize; BRANCH_WIDTH] = core::array::from_fn(|i| i);
+    order[..parts.len()].sort_by(|&a, &b| offs[b].1.total_cmp(&offs[a].1));
+    let mut slot_of = [0; BRANCH_WIDTH];
+    let mut free = [true; BRANCH_WIDTH];
+    for &part in &order[..parts.len()] {
+        let [x, y, z] = offs[part].0;
+        let mut best = (f32::NEG_INFINITY, 0);
+        for slot in (0..BRANCH_WIDTH).filter(|slot| free[*slot]) {
+            let toward = |k: usize, c: f32| if slot >> k & 1 == 1 { c } else { -c };
+            let along = toward(0, x) + toward(1, y) + toward(2, z);
+            if along >= best.0 {
+                best = (along, slot);
+            }
+        }
+        (slot_of[part], free[best.1]) = (best.1, false);
+    }
+    let mut slots = [const { None }; BRANCH_WIDTH];
+    for (part, slot) in parts.into_iter().zip(slot_of) {
+        slots[slot] = Some(part);
+    }
+    slots
 }
 
 /// What falls into a bin.
@@ -170,44 +187,75 @@ impl Bin {
         Self { bounds: self.bounds.join(other.bounds), count: self.count + other.count }
     }
 
-    /// Expected tests of a ray that meets the parent, but for a factor.
+    fn all(bins: &[Self]) -> Self {
+        bins.iter().fold(Self::EMPTY, |all, bin| all.join(*bin))
+    }
+
+    /// Expected tests of a ray that meets the parent, but for a factor; of a bin that is not empty.
     #[inline]
     fn cost(self) -> f32 {
-        if self.count == 0 { 0.0 } else { self.bounds.area() * self.count as f32 }
+        self.bounds.area() * self.count as f32
     }
 }
 
-/// Parts two blocks or more at the best of the planes between bins; returns how many come first.
-fn by_area(items: &mut [Item]) -> usize {
-    let (mut low, mut high) = ([i32::MAX; 3], [i32::MIN; 3]);
-    for item in items.iter() {
-        for k in 0..3 {
-            let centre = item.bounds.centre(k);
-            (low[k], high[k]) = (low[k].min(centre), high[k].max(centre));
+/// Which of the bins between the outermost centres a centre falls into, axis by axis.
+struct Binning {
+    low: i32x4,
+    scale: f32x4,
+}
+
+impl Binning {
+    #[inline]
+    fn bins_of(&self, item: &Item) -> [usize; 3] {
+        let bins = ((item.place - self.low).round_float() * self.scale).fast_trunc_int();
+        let [x, y, z, _] = bins.to_array();
+        // Below their number already: the extent is at most 2^18 and its scale rounded to 2^-24.
+        [x, y, z].map(|bin| (bin as usize).min(BINS - 1))
+    }
+}
+
+/// Parts two blocks or more at the best of the planes between bins; returns how many come first, and the boxes around both
+/// parts.
+fn by_area(items: &mut [Item]) -> (usize, [Bounds; 2]) {
+    let first = items[0].place;
+    let (low, high) =
+        items.iter().fold((first, first), |(low, high), item| (low.min(item.place), high.max(item.place)));
+    let extent = (high - low).to_array();
+    if let [a, b] = items {
+        // Any plane between them serves.
+        let axis = (0..3).find(|k| extent[*k] > 0);
+        if axis.is_some_and(|k| a.place.to_array()[k] > b.place.to_array()[k]) {
+            core::mem::swap(a, b);
         }
+        return (1, [a.bounds, b.bounds]);
     }
     // Few blocks fill few bins.
     let used = BINS.min(2 * items.len());
-    let scale: [f32; 3] = core::array::from_fn(|k| used as f32 / (high[k] - low[k] + 1) as f32);
-    let bin_of = |item: &Item, k: usize| (((item.bounds.centre(k) - low[k]) as f32 * scale[k]) as usize).min(used - 1);
+    let scale = |k: usize| used as f32 / (extent[k] + 1) as f32;
+    let binning = Binning { low, scale: f32x4::new([scale(0), scale(1), scale(2), 0.0]) };
     let mut bins = [[Bin::EMPTY; BINS]; 3];
     for item in items.iter() {
-        for (k, bins) in bins.iter_mut().enumerate() {
-            let bin = &mut bins[bin_of(item, k)];
-            *bin = bin.join(Bin { bounds: item.bounds, count: 1 });
+        for (bins, at) in bins.iter_mut().zip(binning.bins_of(item)) {
+            bins[at] = bins[at].join(Bin { bounds: item.bounds, count: 1 });
         }
     }
     let mut best = (f32::INFINITY, 0, 0);
-    for (k, bins) in bins.iter().enumerate().filter(|(k, _)| low[*k] < high[*k]) {
-        let mut above = [Bin::EMPTY; BINS + 1];
-        for i in (0..used).rev() {
-            above[i] = above[i + 1].join(bins[i]);
+    for (k, bins) in bins.iter().enumerate().filter(|(k, _)| extent[*k] > 0) {
+        // A plane behind an empty bin parts the blocks as the one before does.
+        let is_new = |plane: usize| bins[plane - 1].count > 0;
+        let mut costs_above = [0.0; BINS];
+        let mut above = Bin::EMPTY;
+        for plane in (1..used).rev() {
+            above = above.join(bins[plane]);
+            if is_new(plane) {
+                costs_above[plane] = above.cost();
+            }
         }
         let mut below = Bin::EMPTY;
-        for plane in 1..used {
+        for plane in (1..used).filter(|plane| is_new(*plane)) {
             below = below.join(bins[plane - 1]);
-            let cost = below.cost() + above[plane].cost();
-            if below.count > 0 && above[plane].count > 0 && cost < best.0 {
+            let cost = below.cost() + costs_above[plane];
+            if cost < best.0 {
                 best = (cost, k, plane);
             }
         }
@@ -215,33 +263,38 @@ fn by_area(items: &mut [Item]) -> usize {
     let (cost, k, plane) = best;
     if cost == f32::INFINITY {
         // All in one place.
-        return items.len() / 2;
+        return halves(items);
     }
     let mut first = 0;
     for at in 0..items.len() {
-        if bin_of(&items[at], k) < plane {
+        if binning.bins_of(&items[at])[k] < plane {
             items.swap(first, at);
             first += 1;
         }
     }
-    first
+    let (below, above) = bins[k][..used].split_at(plane);
+    (first, [Bin::all(below).bounds, Bin::all(above).bounds])
 }
 
 /// Parts blocks into halves along the longest axis of their centres.
-fn by_number(items: &mut [Item]) -> usize {
-    let extent = |k: usize| {
-        let centres = items.iter().map(|item| item.bounds.centre(k));
-        centres.clone().max().unwrap_or(0) - centres.min().unwrap_or(0)
-    };
+fn by_number(items: &mut [Item]) -> (usize, [Bounds; 2]) {
+    let centres = |k: usize| items.iter().map(move |item| item.place.to_array()[k]);
+    let extent = |k: usize| centres(k).max().unwrap_or(0) - centres(k).min().unwrap_or(0);
     let axis = (0..3).max_by_key(|&k| extent(k)).unwrap_or(0);
+    items.select_nth_unstable_by_key(items.len() / 2, |item| (item.place.to_array()[axis], item.block()));
+    halves(items)
+}
+
+/// The halves of blocks in their order.
+fn halves(items: &[Item]) -> (usize, [Bounds; 2]) {
     let middle = items.len() / 2;
-    items.select_nth_unstable_by_key(middle, |item| (item.bounds.centre(axis), item.block));
-    middle
+    let (left, right) = items.split_at(middle);
+    (middle, [left, right].map(around))
 }
 
 #[cfg(test)]
 mod tests {
-    use leafwalk_core::layout::ABSENT;
+    use leafwalk_core::layout::{ABSENT, LatticeBox};
 
     use super::*;
 

@@ -1,65 +1,77 @@
 //! The part of a triangle inside a box, as bounds.
 
-use glam::DVec3;
+use wide::f64x4;
+
+use super::span::Span;
 
 /// A triangle cut by six planes has at most nine corners.
 const MOST_CORNERS: usize = 9;
 
-/// Bounds of the part of a triangle inside a box (Sutherland & Hodgman 1974), or `None` where nothing is left.
+/// Bounds of the part of a triangle inside a box (Sutherland & Hodgman 1974), or `None` where nothing is left; `whole` are
+/// those of all of it. The fourth lane means nothing.
 ///
 /// In f64: rounding moves a bound by under 2^-40, which the box margin covers many times over.
-pub(crate) fn clipped_bounds(corners: &[[f32; 3]; 3], lower: [f32; 3], upper: [f32; 3]) -> Option<(DVec3, DVec3)> {
-    let corners = corners.map(|c| DVec3::from_array(c.map(f64::from)));
-    let (lower, upper) = (DVec3::from_array(lower.map(f64::from)), DVec3::from_array(upper.map(f64::from)));
-    let bounds = |points: &[DVec3]| points.iter().fold((points[0], points[0]), |(a, b), p| (a.min(*p), b.max(*p)));
-    let (low, high) = bounds(&corners);
-    if low.cmpge(lower).all() && high.cmple(upper).all() {
-        return Some((low, high));
+pub(super) fn clipped_bounds(corners: &[[f32; 3]; 3], whole: &Span, to: &Span) -> Option<([f64; 4], [f64; 4])> {
+    let (low, high) = (whole.lower.to_array(), whole.upper.to_array());
+    let (lower, upper) = (to.lower.to_array(), to.upper.to_array());
+    let (mut first, mut second) = (Polygon::EMPTY, Polygon::EMPTY);
+    let (mut polygon, mut cut) = (&mut first, &mut second);
+    for (corner, [x, y, z]) in polygon.corners.iter_mut().zip(corners) {
+        *corner = [f64::from(*x), f64::from(*y), f64::from(*z), 0.0];
     }
-    let mut polygon = Polygon { corners: [DVec3::ZERO; MOST_CORNERS + 1], len: 3 };
-    polygon.corners[..3].copy_from_slice(&corners);
+    polygon.len = 3;
     for k in 0..3 {
         if low[k] < lower[k] {
-            polygon = polygon.cut(k, lower[k], 1.0);
+            polygon.cut(k, lower[k].into(), 1.0, cut);
+            core::mem::swap(&mut polygon, &mut cut);
         }
         if high[k] > upper[k] {
-            polygon = polygon.cut(k, upper[k], -1.0);
+            polygon.cut(k, upper[k].into(), -1.0, cut);
+            core::mem::swap(&mut polygon, &mut cut);
         }
     }
-    let left = &polygon.corners[..polygon.len];
-    (!left.is_empty()).then(|| bounds(left))
+    let mut left = polygon.corners[..polygon.len].iter().map(|corner| f64x4::new(*corner));
+    let first = left.next()?;
+    let (low, high) = left.fold((first, first), |(low, high), p| (low.fast_min(p), high.fast_max(p)));
+    Some((low.to_array(), high.to_array()))
 }
 
-#[derive(Clone, Copy)]
 struct Polygon {
-    corners: [DVec3; MOST_CORNERS + 1],
+    corners: [[f64; 4]; MOST_CORNERS + 1],
     len: usize,
 }
 
 impl Polygon {
-    /// Keeps what lies on the side of a plane where `sign * (coordinate k - at)` is not negative.
-    fn cut(&self, k: usize, at: f64, sign: f64) -> Self {
-        let mut kept = Self { corners: [DVec3::ZERO; MOST_CORNERS + 1], len: 0 };
-        let mut push = |corner| {
-            // Rounding can make a sliver cross a plane more often than twice; a corner too many adds nothing.
-            if kept.len < kept.corners.len() {
-                kept.corners[kept.len] = corner;
-                kept.len += 1;
-            }
-        };
-        for i in 0..self.len {
-            let (a, b) = (self.corners[i], self.corners[(i + 1) % self.len]);
-            let (da, db) = (sign * (a[k] - at), sign * (b[k] - at));
-            if da >= 0.0 {
-                push(a);
-            }
-            if (da < 0.0) != (db < 0.0) {
-                let mut crossing = a + (b - a) * (da / (da - db));
-                crossing[k] = at;
-                push(crossing);
-            }
+    const EMPTY: Self = Self { corners: [[0.0; 4]; MOST_CORNERS + 1], len: 0 };
+
+    fn push(&mut self, corner: [f64; 4]) {
+        // Rounding can make a sliver cross a plane more often than twice; a corner too many adds nothing.
+        if let Some(place) = self.corners.get_mut(self.len) {
+            *place = corner;
+            self.len += 1;
         }
-        kept
+    }
+
+    /// Keeps what lies on the side of a plane where `sign * (coordinate k - at)` is not negative.
+    fn cut(&self, k: usize, at: f64, sign: f64, kept: &mut Self) {
+        kept.len = 0;
+        let corners = &self.corners[..self.len];
+        let Some(last) = corners.last() else { return };
+        let inward = |corner: &[f64; 4]| sign * (corner[k] - at);
+        let (mut a, mut da) = (last, inward(last));
+        for b in corners {
+            let db = inward(b);
+            if (da < 0.0) != (db < 0.0) {
+                let (from, to) = (f64x4::new(*a), f64x4::new(*b));
+                let mut crossing = (from + (to - from) * f64x4::splat(da / (da - db))).to_array();
+                crossing[k] = at;
+                kept.push(crossing);
+            }
+            if db >= 0.0 {
+                kept.push(*b);
+            }
+            (a, da) = (b, db);
+        }
     }
 }
 
@@ -67,18 +79,22 @@ impl Polygon {
 mod tests {
     use super::*;
 
+    fn clipped(corners: [[f32; 3]; 3], lower: [f32; 3], upper: [f32; 3]) -> Option<[[f64; 3]; 2]> {
+        let (low, high) = clipped_bounds(&corners, &Span::around(&corners), &Span::new(lower, upper))?;
+        Some([low, high].map(|[x, y, z, _]| [x, y, z]))
+    }
+
     #[test]
     fn a_corner_is_cut_off() {
         let triangle = [[0.0, 0.0, 0.5], [1.0, 0.0, 0.5], [0.0, 1.0, 0.5]];
-        let (low, high) = clipped_bounds(&triangle, [0.75, 0.0, 0.0], [1.0, 1.0, 1.0]).unwrap();
-        assert_eq!((low, high), (DVec3::new(0.75, 0.0, 0.5), DVec3::new(1.0, 0.25, 0.5)));
-        assert_eq!(clipped_bounds(&triangle, [0.75, 0.75, 0.0], [1.0, 1.0, 1.0]), None);
+        let left = clipped(triangle, [0.75, 0.0, 0.0], [1.0, 1.0, 1.0]);
+        assert_eq!(left, Some([[0.75, 0.0, 0.5], [1.0, 0.25, 0.5]]));
+        assert_eq!(clipped(triangle, [0.75, 0.75, 0.0], [1.0, 1.0, 1.0]), None);
     }
 
     #[test]
     fn a_triangle_around_the_box_fills_it() {
         let triangle = [[-9.0, -9.0, 0.5], [9.0, -9.0, 0.5], [0.0, 9.0, 0.5]];
-        let (low, high) = clipped_bounds(&triangle, [0.0; 3], [1.0; 3]).unwrap();
-        assert_eq!((low, high), (DVec3::new(0.0, 0.0, 0.5), DVec3::new(1.0, 1.0, 0.5)));
+        assert_eq!(clipped(triangle, [0.0; 3], [1.0; 3]), Some([[0.0, 0.0, 0.5], [1.0, 1.0, 0.5]]));
     }
 }

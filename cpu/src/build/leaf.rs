@@ -1,20 +1,11 @@
 //! What leaves list: triangles grouped into blocks of eight, their boxes, payloads.
 
-use glam::DVec3;
-use leafwalk_core::layout::{
-    ABSENT, BLOCK_WIDTH, Block, Key, LATTICE, LatticeBox, NONE, PAYLOAD_BLOCKS, Payload, hull,
-};
+use leafwalk_core::layout::{ABSENT, BLOCK_WIDTH, Block, Key, LatticeBox, NONE, PAYLOAD_BLOCKS, Payload, hull};
+use wide::f32x4;
 
-use super::clip::clipped_bounds;
+use super::bounds::Bounds;
+use super::part::{Cell, Part};
 use super::{Settings, Spoiled};
-
-/// A triangle of a leaf with the bounds of its part inside the cell.
-#[derive(Clone, Copy)]
-struct Listed {
-    reference: u32,
-    lower: DVec3,
-    upper: DVec3,
-}
 
 /// Blocks that `references` triangles fill.
 pub(crate) fn block_count(references: usize) -> usize {
@@ -26,87 +17,108 @@ pub(crate) fn payload_count(references: usize) -> usize {
     block_count(references).div_ceil(PAYLOAD_BLOCKS)
 }
 
-/// Orders the references of one leaf by blocks, and returns its payloads: numbered from `payload` on, their blocks from
-/// `block` on.
-pub(crate) fn list(
-    cell: Key,
-    references: &mut [u32],
-    triangles: &[(u32, [[f32; 3]; 3])],
-    settings: &Settings,
-    payload: u32,
-    block: u32,
-) -> Vec<Payload> {
-    let mut listed: Vec<Listed> = references
-        .iter()
-        .map(|&reference| {
-            let (lower, upper) = bounds_inside(cell, &triangles[reference as usize].1, settings.padding);
-            Listed { reference, lower, upper }
-        })
-        .collect();
-    group(&mut listed);
-    let boxes: Vec<_> =
-        listed.chunks(BLOCK_WIDTH).map(|group| spoil(round_out(cell, group), settings.spoiled)).collect();
-    for (group, references) in listed.chunks_mut(BLOCK_WIDTH).zip(references.chunks_mut(BLOCK_WIDTH)) {
-        // Ascending primitives, so that the block's bytes do not depend on how it was found.
-        group.sort_unstable_by_key(|listed| listed.reference);
-        for (reference, listed) in references.iter_mut().zip(group) {
-            *reference = listed.reference;
-        }
+/// What some leaves list, one after the other.
+#[derive(Default)]
+pub(crate) struct Listing {
+    pub(crate) payloads: Vec<Payload>,
+    /// Of each leaf, block after block.
+    pub(crate) references: Vec<u32>,
+    /// How many of them each leaf has.
+    pub(crate) counts: Vec<usize>,
+}
+
+impl Listing {
+    pub(crate) fn block_count(&self) -> usize {
+        self.payloads.iter().map(|payload| payload.count as usize).sum()
     }
-    let count = payload_count(references.len());
-    let in_payload = |(i, own): (usize, &[LatticeBox])| {
-        let listing = Payload::of_boxes(core::array::from_fn(|b| own.get(b).copied().unwrap_or(ABSENT)));
-        let (lower, upper) = if i == 0 { hull(boxes.iter().copied()) } else { listing.hull() };
-        let next = if i + 1 == count { NONE } else { payload + i as u32 + 1 };
-        Payload { lower, upper, first: block + (i * PAYLOAD_BLOCKS) as u32, next, ..listing }
-    };
-    boxes.chunks(PAYLOAD_BLOCKS).enumerate().map(in_payload).collect()
+
+    /// Leaf after leaf; only the last of each has vacant lanes.
+    pub(crate) fn blocks(&self, triangles: &[(u32, [[f32; 3]; 3])]) -> impl Iterator<Item = Block> {
+        let mut references = &self.references[..];
+        let of_leaf = move |&count: &usize| {
+            let (own, tail) = references.split_at(count);
+            references = tail;
+            own.chunks(BLOCK_WIDTH)
+        };
+        self.counts.iter().flat_map(of_leaf).map(|group| pack(group, triangles))
+    }
 }
 
-/// Bounds of the part of a triangle inside a dilated cell. Binning is more generous than clipping: what only touches
-/// gets the box of the whole cell.
-fn bounds_inside(cell: Key, corners: &[[f32; 3]; 3], padding: f32) -> (DVec3, DVec3) {
-    let (lower, upper) = cell.bounds();
-    let (lower, upper) = (lower.map(|c| c - padding), upper.map(|c| c + padding));
-    let whole = || (DVec3::from_array(lower.map(f64::from)), DVec3::from_array(upper.map(f64::from)));
-    clipped_bounds(corners, lower, upper).unwrap_or_else(whole)
+/// Lists leaf after leaf, in memory that serves for all of them.
+pub(crate) struct Lister<'a> {
+    triangles: &'a [(u32, [[f32; 3]; 3])],
+    settings: &'a Settings,
+    pub(crate) listing: Listing,
+    parts: Vec<Part>,
+    keys: Vec<u64>,
+    boxes: Vec<LatticeBox>,
 }
 
-/// The lattice steps that a triangle's block box must cover.
-pub(crate) fn box_inside(cell: Key, corners: &[[f32; 3]; 3], padding: f32) -> LatticeBox {
-    let (lower, upper) = bounds_inside(cell, corners, padding);
-    round_out(cell, &[Listed { reference: 0, lower, upper }])
+impl<'a> Lister<'a> {
+    pub(crate) fn new(triangles: &'a [(u32, [[f32; 3]; 3])], settings: &'a Settings) -> Self {
+        let (parts, keys, boxes) = Default::default();
+        Self { triangles, settings, listing: Listing::default(), parts, keys, boxes }
+    }
+
+    /// Adds a leaf whose references ascend; its payloads are numbered from `payload` on, their blocks from `block` on.
+    pub(crate) fn list(&mut self, cell: Key, references: &[u32], payload: u32, block: u32) {
+        let cell = Cell::new(cell, self.settings.padding);
+        self.parts.clear();
+        self.parts.extend(references.iter().map(|reference| cell.part(&self.triangles[*reference as usize].1)));
+        self.keys.clear();
+        self.keys.extend(0..references.len() as u64);
+        group(&mut self.keys, &self.parts);
+        self.boxes.clear();
+        for group in self.keys.chunks_mut(BLOCK_WIDTH) {
+            // Ascending primitives, so that the block's bytes do not depend on how it was found.
+            group.sort_unstable_by_key(|key| place(*key));
+            self.listing.references.extend(group.iter().map(|key| references[place(*key)]));
+            let bounds = group.iter().fold(Bounds::EMPTY, |all, key| all.join(self.parts[place(*key)].bounds));
+            self.boxes.push(spoil(bounds.boxed(), self.settings.spoiled));
+        }
+        self.listing.counts.push(references.len());
+        let (boxes, count) = (&self.boxes, payload_count(references.len()));
+        let in_payload = |(i, own): (usize, &[LatticeBox])| {
+            let boxed = Payload::of_boxes(core::array::from_fn(|b| own.get(b).copied().unwrap_or(ABSENT)));
+            let (lower, upper) = if i == 0 { hull(boxes.iter().copied()) } else { boxed.hull() };
+            let next = if i + 1 == count { NONE } else { payload + i as u32 + 1 };
+            Payload { lower, upper, first: block + (i * PAYLOAD_BLOCKS) as u32, next, ..boxed }
+        };
+        self.listing.payloads.extend(boxes.chunks(PAYLOAD_BLOCKS).enumerate().map(in_payload));
+    }
 }
 
-/// Orders triangles so that every run of eight lies close together: halves along the longest axis of the centres.
-fn group(listed: &mut [Listed]) {
-    if listed.len() <= BLOCK_WIDTH {
+/// The place of a part in its list: the low half of a key.
+#[inline]
+fn place(key: u64) -> usize {
+    key as u32 as usize
+}
+
+/// Orders parts so that every run of eight lies close together: halves along the longest axis of the centres.
+///
+/// Keys hold a part's place, and above it whatever they were last ordered by.
+fn group(keys: &mut [u64], parts: &[Part]) {
+    if keys.len() <= BLOCK_WIDTH {
         return;
     }
-    let centre = |listed: &Listed| listed.lower + listed.upper;
-    let (low, high) = listed.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), listed| {
-        (low.min(centre(listed)), high.max(centre(listed)))
+    let first = f32x4::new(parts[place(keys[0])].centre);
+    let (low, high) = keys.iter().fold((first, first), |(low, high), key| {
+        let centre = f32x4::new(parts[place(*key)].centre);
+        (low.fast_min(centre), high.fast_max(centre))
     });
-    let axis = (high - low).max_position();
+    let [x, y, z, _] = (high - low).to_array();
+    let axis = if x >= y && x >= z { 0 } else { 1 + usize::from(z > y) };
+    for key in &mut *keys {
+        // Centres are sums of sides inside the dilated root, not negative but for the smallest of roundings.
+        let order = parts[place(*key)].centre[axis].max(0.0).to_bits();
+        *key = u64::from(order) << 32 | *key & u64::from(u32::MAX);
+    }
     // The left half fills whole blocks, so that only the last block of a leaf has vacant lanes.
-    let middle = block_count(listed.len()).div_ceil(2) * BLOCK_WIDTH;
-    listed.select_nth_unstable_by(middle, |a, b| {
-        centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.reference.cmp(&b.reference))
-    });
-    let (left, right) = listed.split_at_mut(middle);
-    group(left);
-    group(right);
-}
-
-/// The box of a group in lattice steps. What the padding adds outside the cell is left to the box margin.
-fn round_out(cell: Key, group: &[Listed]) -> LatticeBox {
-    let step = |c: f64, k: usize| {
-        let first = cell.corner[k];
-        ((c * f64::from(LATTICE)).floor() as u32).clamp(first, first + cell.size() - 1) as u16
-    };
-    let lower = |k: usize| group.iter().map(|listed| listed.lower[k]).fold(f64::INFINITY, f64::min);
-    let upper = |k: usize| group.iter().map(|listed| listed.upper[k]).fold(f64::NEG_INFINITY, f64::max);
-    (core::array::from_fn(|k| step(lower(k), k)), core::array::from_fn(|k| step(upper(k), k)))
+    let middle = block_count(keys.len()).div_ceil(2) * BLOCK_WIDTH;
+    keys.select_nth_unstable(middle);
+    let (left, right) = keys.split_at_mut(middle);
+    group(left, parts);
+    group(right, parts);
 }
 
 /// A step smaller where boxes are spoiled.
@@ -116,7 +128,7 @@ fn spoil((lower, upper): LatticeBox, spoiled: Spoiled) -> LatticeBox {
 }
 
 /// The block of up to eight references.
-pub(crate) fn pack(group: &[u32], triangles: &[(u32, [[f32; 3]; 3])]) -> Block {
+fn pack(group: &[u32], triangles: &[(u32, [[f32; 3]; 3])]) -> Block {
     let mut block = Block::VACANT;
     for lane in 0..BLOCK_WIDTH {
         let reference = group.get(lane);

@@ -1,6 +1,7 @@
 //! Mesh -> octree words: normalise, split and balance, link, fill leaves.
 
 mod assemble;
+mod bounds;
 mod branch;
 mod clip;
 mod error;
@@ -10,6 +11,8 @@ mod link;
 mod monitor;
 mod normalise;
 mod overlap;
+mod part;
+mod span;
 mod tree;
 
 use core::ops::ControlFlow;
@@ -18,9 +21,9 @@ use leafwalk_core::Octree;
 use leafwalk_core::layout::{MAX_LEVEL, PADDING};
 
 pub use error::BuildError;
-pub(crate) use leaf::box_inside;
 pub(crate) use normalise::{NonFinite, Normalised, normalise, normalise_with};
 pub(crate) use overlap::Split;
+pub(crate) use part::box_inside;
 
 use crate::mesh::Mesh;
 use monitor::Monitor;
@@ -187,7 +190,7 @@ impl Builder {
             padding: if self.spoiled == Spoiled::Padding { 0.0 } else { PADDING },
             spoiled: self.spoiled,
         };
-        settings.check_memory(mesh.triangles.len() as u64 * normalise::BYTES_PER_TRIANGLE)?;
+        settings.check_memory(normalise::bytes_needed(mesh))?;
         let normalised = self.normalise(mesh)?;
         let tree = Tree::grow(&normalised.triangles, &settings, &monitor.part(0.05, 0.6))?;
         assemble::assemble(mesh, &normalised, &tree, &settings, &monitor.part(0.6, 1.0))

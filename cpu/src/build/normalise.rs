@@ -1,13 +1,19 @@
 //! A mesh in lattice units: the one place where vertices are rounded.
 
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+
 use leafwalk_core::Frame;
 use rayon::prelude::*;
 
 use super::BuildError;
 use crate::mesh::Mesh;
 
-/// A triangle in lattice units takes 40 bytes, and some more until it is known which are dropped.
-pub(crate) const BYTES_PER_TRIANGLE: u64 = 100;
+/// Bytes that the normalised mesh takes, and what it is made from.
+pub(crate) fn bytes_needed(mesh: &Mesh) -> u64 {
+    let triangle = size_of::<(u32, [[f32; 3]; 3])>();
+    let vertex = size_of::<[f32; 3]>() + size_of::<AtomicBool>();
+    mesh.triangles.len() as u64 * triangle as u64 + mesh.positions.len() as u64 * vertex as u64
+}
 
 /// What is left of a mesh for an octree to list.
 #[derive(Clone, Debug)]
@@ -48,42 +54,74 @@ fn normalise_into(
     non_finite: NonFinite,
     frame: impl Fn([f32; 3], [f32; 3]) -> Frame,
 ) -> Result<Normalised, BuildError> {
-    check(mesh, non_finite)?;
-    let finite = |corners: &[[f32; 3]; 3]| corners.as_flattened().iter().all(|c| c.is_finite());
+    check_counts(mesh)?;
+    let used = used_vertices(mesh, non_finite)?;
+    let in_use = mesh.positions.par_iter().zip(&used).filter(|(_, used)| used.load(Relaxed));
     let empty = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    let (lower, upper) = (0..mesh.triangles.len())
-        .into_par_iter()
-        .map(|i| mesh.corners(i))
-        .filter(finite)
-        .fold(|| empty, |bounds, corners| corners.into_iter().fold(bounds, |(a, b), c| join((a, b), (c, c))))
-        .reduce(|| empty, join);
+    let bounds = in_use.fold(|| empty, |bounds, (&position, _)| join(bounds, (position, position)));
+    let (lower, upper) = bounds.reduce(|| empty, join);
     let frame = if lower[0] <= upper[0] { frame(lower, upper) } else { frame([0.0; 3], [0.0; 3]) };
 
     let scale = frame.scale();
     let exact = |c: f32, k: usize| (f64::from(c) - frame.origin[k]) / scale;
-    let listed: Vec<_> = (0..mesh.triangles.len())
-        .into_par_iter()
-        .map(|i| {
-            let corners = mesh.corners(i);
-            if !finite(&corners) {
-                return (None, false, 0.0);
-            }
-            let rounded = corners.map(|corner| frame.to_lattice(corner));
-            let moved = |c: usize, k: usize| (f64::from(rounded[c][k]) - exact(corners[c][k], k)).abs() as f32;
-            let rounding = (0..9).map(|i| moved(i / 3, i % 3)).fold(0.0, f32::max);
-            let is_degenerate = has_equal_corners(&rounded);
-            let collapsed = is_degenerate && !has_equal_corners(&corners);
-            ((!is_degenerate).then_some((i as u32, rounded)), collapsed, rounding)
-        })
-        .collect();
-    let rounding = listed.iter().map(|(_, _, rounding)| *rounding).fold(0.0, f32::max);
-    let collapsed = listed.iter().filter(|(_, collapsed, _)| *collapsed).count() as u32;
-    let triangles: Vec<_> = listed.into_iter().filter_map(|(triangle, _, _)| triangle).collect();
-    let dropped = (mesh.triangles.len() - triangles.len()) as u32;
+    let mut vertices = vec![LEFT_OUT; mesh.positions.len()];
+    let place = |((vertex, position), used): ((&mut [f32; 3], &[f32; 3]), &AtomicBool)| {
+        if !used.load(Relaxed) {
+            return 0.0;
+        }
+        *vertex = frame.to_lattice(*position);
+        let moved = |k: usize| (f64::from(vertex[k]) - exact(position[k], k)).abs() as f32;
+        (0..3).map(moved).fold(0.0, f32::max)
+    };
+    let rounding = vertices.par_iter_mut().zip(&mesh.positions).zip(&used).map(place).reduce(|| 0.0, f32::max);
+
+    let (dropped, collapsed) = (AtomicU32::new(0), AtomicU32::new(0));
+    let triangle = |(primitive, indices): (usize, &[u32; 3])| {
+        let corners = indices.map(|index| vertices[index as usize]);
+        if !is_listed(&corners) {
+            dropped.fetch_add(1, Relaxed);
+            let is_whole = !corners.contains(&LEFT_OUT) && !has_equal_corners(&mesh.corners(primitive));
+            collapsed.fetch_add(u32::from(is_whole), Relaxed);
+        }
+        (primitive as u32, corners)
+    };
+    let mut triangles: Vec<_> = mesh.triangles.par_iter().enumerate().map(triangle).collect();
+    let (dropped, collapsed) = (dropped.into_inner(), collapsed.into_inner());
+    if dropped > 0 {
+        triangles.retain(|(_, corners)| is_listed(corners));
+    }
     Ok(Normalised { frame, triangles, dropped, collapsed, rounding })
 }
 
-fn check(mesh: &Mesh, non_finite: NonFinite) -> Result<(), BuildError> {
+/// Stands for vertices of no triangle, or of left-out triangles alone: nothing inside the root.
+const LEFT_OUT: [f32; 3] = [f32::INFINITY; 3];
+
+fn is_listed(corners: &[[f32; 3]; 3]) -> bool {
+    !has_equal_corners(corners) && !corners.contains(&LEFT_OUT)
+}
+
+/// Marks the vertices of all triangles that are not left out.
+fn used_vertices(mesh: &Mesh, non_finite: NonFinite) -> Result<Vec<AtomicBool>, BuildError> {
+    let used: Vec<AtomicBool> = mesh.positions.iter().map(|_| AtomicBool::new(false)).collect();
+    let mark = |indices: &[u32; 3]| {
+        let is_sound = |&index: &u32| {
+            mesh.positions.get(index as usize).is_some_and(|position| position.iter().all(|c| c.is_finite()))
+        };
+        let are_sound = indices.iter().all(is_sound);
+        if are_sound {
+            indices.iter().for_each(|&index| used[index as usize].store(true, Relaxed));
+        }
+        are_sound
+    };
+    // All of them, whatever the first few give.
+    let are_sound = mesh.triangles.par_iter().map(mark).reduce(|| true, |a, b| a & b);
+    if !are_sound {
+        check_vertices(mesh, non_finite)?;
+    }
+    Ok(used)
+}
+
+fn check_counts(mesh: &Mesh) -> Result<(), BuildError> {
     let too_large =
         |what, count: usize| BuildError::TooLarge { what, count: count as u64, limit: u64::from(u32::MAX) - 1 };
     if mesh.triangles.len() >= u32::MAX as usize {
@@ -92,6 +130,11 @@ fn check(mesh: &Mesh, non_finite: NonFinite) -> Result<(), BuildError> {
     if !mesh.material_ids.is_empty() && mesh.material_ids.len() != mesh.triangles.len() {
         return Err(BuildError::MaterialCount { materials: mesh.material_ids.len(), triangles: mesh.triangles.len() });
     }
+    Ok(())
+}
+
+/// Finds the first triangle that no build takes.
+fn check_vertices(mesh: &Mesh, non_finite: NonFinite) -> Result<(), BuildError> {
     let vertices = mesh.positions.len();
     let fault = mesh.triangles.par_iter().enumerate().find_map_first(|(triangle, indices)| {
         indices.iter().find_map(|&index| match mesh.positions.get(index as usize) {

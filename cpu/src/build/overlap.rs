@@ -2,6 +2,9 @@
 
 use glam::DVec3;
 use leafwalk_core::layout::{Key, LATTICE_STEP};
+use wide::f32x4;
+
+use super::span::{Span, axes, lanes};
 
 /// Relative slack of a separating-axis test. The projected half extent of a dilated cell is at least 2^-19 times the
 /// axis, and the rounding of the projected corners at most 2^-50 times it: 2^-31, doubled.
@@ -50,12 +53,16 @@ impl Overlap {
 
 /// A cell about to be split: its planes, dilated by the padding.
 pub(crate) struct Split {
-    lower: [f32; 3],
-    middle: [f32; 3],
-    upper: [f32; 3],
-    /// Half a cell's edge, which is a child's: exact.
-    half: f32,
-    padding: f32,
+    dilated: Span,
+    /// Where the lower children end.
+    below: f32x4,
+    /// Where the upper children begin.
+    above: f32x4,
+    middle: DVec3,
+    /// A quarter of the cell's edge: from its middle to those of its children.
+    quarter: f64,
+    /// From the middle of a child to its sides, dilated.
+    reach: DVec3,
 }
 
 impl Split {
@@ -63,47 +70,77 @@ impl Split {
         let (lower, upper) = cell.bounds();
         // All sums here are exact: multiples of 2^-19 below 2.
         let half = 0.5 * cell.size() as f32 * LATTICE_STEP;
-        let outward = |upper: f32| upper + padding;
+        let middle = lower.map(|c| c + half);
+        let quarter = 0.5 * f64::from(half);
         Self {
-            lower: lower.map(|c| c - padding),
-            middle: lower.map(|c| c + half),
-            upper: upper.map(outward),
-            half,
-            padding,
+            dilated: Span::new(lower.map(|c| c - padding), upper.map(|c| c + padding)),
+            below: lanes(middle.map(|c| c + padding)),
+            above: lanes(middle.map(|c| c - padding)),
+            middle: DVec3::from_array(middle.map(f64::from)),
+            quarter,
+            reach: DVec3::splat(quarter + f64::from(padding)),
         }
     }
 
     /// Bit i: the triangle meets child i, dilated. The triangle must meet the dilated cell.
     #[inline]
     pub(crate) fn children_met(&self, corners: &[[f32; 3]; 3]) -> u8 {
-        let (mut candidates, mut straddled, mut is_inside) = (0xff_u8, 0, true);
-        for (k, in_upper) in UPPER.into_iter().enumerate() {
-            let (low, high) = range(corners, k);
-            let (is_low, is_high) = (low <= self.middle[k] + self.padding, high >= self.middle[k] - self.padding);
-            candidates &= if is_low { 0xff } else { in_upper } & if is_high { 0xff } else { !in_upper };
-            straddled += u32::from(is_low && is_high);
-            is_inside &= low >= self.lower[k] && high <= self.upper[k];
-        }
+        let whole = Span::around(corners);
+        let (is_low, is_high) = self.halves(whole);
+        let candidates = BELOW[is_low] & ABOVE[is_high];
+        let straddled = (is_low & is_high).count_ones();
         // Inside the cell and across one plane only: a corner on either side proves both children.
-        if straddled == 0 || (straddled == 1 && is_inside) {
+        if straddled == 0 || (straddled == 1 && self.dilated.holds(&whole)) {
             return candidates;
         }
+        self.children_among(candidates, corners)
+    }
+
+    /// The axes along which something reaches into the lower half, and into the upper one.
+    #[inline]
+    fn halves(&self, span: Span) -> (usize, usize) {
+        (axes(span.lower.simd_le(self.below)), axes(span.upper.simd_ge(self.above)))
+    }
+
+    /// Those of some children that the triangle meets.
+    #[inline(never)]
+    fn children_among(&self, candidates: u8, corners: &[[f32; 3]; 3]) -> u8 {
+        // Children that hold a corner need no proof.
+        let points = corners.map(lanes).map(|corner| Span { lower: corner, upper: corner });
+        let met = points.into_iter().filter(|point| self.dilated.holds(point)).fold(0, |met, point| {
+            let (is_low, is_high) = self.halves(point);
+            met | BELOW[is_low] & ABOVE[is_high]
+        });
+        if met == candidates {
+            return met;
+        }
         let triangle = Overlap::new(corners);
-        let half = f64::from(self.half);
-        let reach = DVec3::splat(0.5 * half + f64::from(self.padding));
         let centre = |child: u8| {
-            let side = |k: usize| if UPPER[k] >> child & 1 == 1 { 0.5 * half } else { -0.5 * half };
-            DVec3::from_array(self.middle.map(f64::from)) + DVec3::from_array([0, 1, 2].map(side))
+            let side = |k: usize| if UPPER[k] >> child & 1 == 1 { self.quarter } else { -self.quarter };
+            self.middle + DVec3::new(side(0), side(1), side(2))
         };
-        let candidates = (0..8).filter(|child| candidates >> child & 1 == 1);
-        candidates.fold(0, |met, child| met | u8::from(triangle.meets(centre(child), reach)) << child)
+        let left = (0..8).filter(|child| (candidates & !met) >> child & 1 == 1);
+        left.fold(met, |met, child| met | u8::from(triangle.meets(centre(child), self.reach)) << child)
     }
 }
 
 /// Bit i of mask k: child i is in the upper half of axis k.
 const UPPER: [u8; 3] = [0b1010_1010, 0b1100_1100, 0b1111_0000];
+/// By the axes along which something reaches into the lower half: the children that it may meet.
+const BELOW: [u8; 8] = but_for(UPPER);
+/// The same of upper halves.
+const ABOVE: [u8; 8] = but_for([!UPPER[0], !UPPER[1], !UPPER[2]]);
 
-fn range(corners: &[[f32; 3]; 3], k: usize) -> (f32, f32) {
-    let [a, b, c] = corners.map(|corner| corner[k]);
-    (a.min(b).min(c), a.max(b).max(c))
+/// Entry i: the children that are, along every axis whose bit in i is clear, in the other half.
+const fn but_for(other: [u8; 3]) -> [u8; 8] {
+    let mut children = [0xff; 8];
+    let mut at = 0;
+    while at < 3 * 8 {
+        let (reaches, k) = (at / 3, at % 3);
+        if reaches >> k & 1 == 0 {
+            children[reaches] &= other[k];
+        }
+        at += 1;
+    }
+    children
 }

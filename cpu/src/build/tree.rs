@@ -9,6 +9,19 @@ use super::{BuildError, Settings};
 
 /// References a task bins.
 const BIN_CHUNK: usize = 8192;
+/// Masks that [`SPREAD`] may be summed over.
+const MOST_SPREAD: usize = 255;
+/// Per mask of children, a byte of 1 or 0 for each: so that eight counters take one addition.
+const SPREAD: [u64; 256] = {
+    let mut spread = [0; 256];
+    let mut at = 0;
+    while at < 8 * 256 {
+        let (mask, child) = (at / 8, at % 8);
+        spread[mask] |= (mask as u64 >> child & 1) << (8 * child);
+        at += 1;
+    }
+    spread
+};
 
 /// A node of the tree; a leaf has no children but a run of references.
 #[derive(Clone, Copy, Debug)]
@@ -47,10 +60,21 @@ struct Open {
     len: usize,
 }
 
-/// What splitting an open node would give: per reference, the children that it meets.
+/// What splitting an open node would give.
 struct Proposal {
-    counts: [usize; 8],
+    /// How many references each child gets, from each run of [`BIN_CHUNK`].
+    chunks: Vec<[usize; 8]>,
     gain: f32,
+}
+
+impl Proposal {
+    fn counts(&self) -> [usize; 8] {
+        self.chunks.iter().fold([0; 8], |sums, counts| core::array::from_fn(|child| sums[child] + counts[child]))
+    }
+
+    fn copies(&self) -> usize {
+        self.chunks.as_flattened().iter().sum()
+    }
 }
 
 impl Tree {
@@ -116,7 +140,7 @@ impl Grower<'_> {
         let (mut next, mut end) = (Vec::new(), 0);
         for (open, proposal) in children {
             let first = self.tree.nodes[open.node as usize].children;
-            for (child, &len) in (first..).zip(&proposal.counts) {
+            for (child, len) in (first..).zip(proposal.counts()) {
                 next.push(Open { node: child, start: end, len });
                 end += len;
             }
@@ -165,16 +189,14 @@ impl Grower<'_> {
                     return Ok(None);
                 }
                 let references = &references[open.start..open.start + open.len];
-                let counts = references
-                    .par_chunks(BIN_CHUNK)
-                    .zip(masks.par_chunks_mut(BIN_CHUNK))
-                    .map(|(references, masks)| {
-                        monitor.check_cancelled()?;
-                        Ok(self.bin(key, references, masks))
-                    })
-                    .try_reduce(|| [0; 8], |a, b| Ok(core::array::from_fn(|i| a[i] + b[i])))?;
-                let gain = self.gain(open.len, counts.iter().sum());
-                Ok((gain > 0.0).then_some(Proposal { counts, gain }))
+                let chunks = references.par_chunks(BIN_CHUNK).zip(masks.par_chunks_mut(BIN_CHUNK));
+                let bin = |(references, masks): (&[u32], &mut [u8])| {
+                    monitor.check_cancelled()?;
+                    Ok(self.bin(key, references, masks))
+                };
+                let chunks: Vec<[usize; 8]> = chunks.map(bin).collect::<Result<_, _>>()?;
+                let gain = self.gain(open.len, chunks.as_flattened().iter().sum());
+                Ok((gain > 0.0).then_some(Proposal { chunks, gain }))
             })
             .collect()
     }
@@ -182,10 +204,14 @@ impl Grower<'_> {
     fn bin(&self, cell: Key, references: &[u32], masks: &mut [u8]) -> [usize; 8] {
         let split = Split::new(cell, self.settings.padding);
         let mut counts = [0; 8];
-        for (&reference, mask) in references.iter().zip(masks) {
-            *mask = split.children_met(&self.triangles[reference as usize].1);
-            for (child, count) in counts.iter_mut().enumerate() {
-                *count += usize::from(*mask >> child & 1);
+        for (references, masks) in references.chunks(MOST_SPREAD).zip(masks.chunks_mut(MOST_SPREAD)) {
+            let mut spread = 0;
+            for (&reference, mask) in references.iter().zip(masks) {
+                *mask = split.children_met(&self.triangles[reference as usize].1);
+                spread += SPREAD[*mask as usize];
+            }
+            for (count, byte) in counts.iter_mut().zip(spread.to_le_bytes()) {
+                *count += usize::from(byte);
             }
         }
         counts
@@ -205,9 +231,8 @@ impl Grower<'_> {
     /// Splits the nodes whose proposal pays, forced splits of coarser neighbours included, within the budget; clears
     /// the other proposals.
     fn accept(&mut self, open: &[Open], proposals: &mut [Option<Proposal>]) {
-        let added = |(open, proposal): (&Open, &Option<Proposal>)| {
-            proposal.as_ref().map_or(0, |p| p.counts.iter().sum::<usize>() - open.len)
-        };
+        let added =
+            |(open, proposal): (&Open, &Option<Proposal>)| proposal.as_ref().map_or(0, |p| p.copies() - open.len);
         let wanted: usize = open.iter().zip(proposals.iter()).map(added).sum();
         let mut order: Vec<usize> = (0..open.len()).filter(|&i| proposals[i].is_some()).collect();
         if self.total + wanted > self.settings.budget {
@@ -304,23 +329,43 @@ impl Grower<'_> {
     }
 }
 
+/// A run of a split node's references, and where each child's go.
+struct Run<'a> {
+    references: &'a [u32],
+    masks: &'a [u8],
+    lists: [&'a mut [u32]; 8],
+}
+
+impl Run<'_> {
+    fn scatter(self) {
+        let mut ends = [0; 8];
+        for (&reference, &mask) in self.references.iter().zip(self.masks) {
+            let mut met = mask;
+            while met != 0 {
+                let child = met.trailing_zeros() as usize;
+                self.lists[child][ends[child]] = reference;
+                ends[child] += 1;
+                met &= met - 1;
+            }
+        }
+    }
+}
+
 /// Copies the references of split nodes to their children, in order.
 fn scatter(open: &[Open], proposals: &[Option<Proposal>], references: &[u32], masks: &[u8], to: &mut [u32]) {
     let mut rest = to;
-    let mut jobs = Vec::new();
+    let mut runs: Vec<Run<'_>> = Vec::new();
     for (open, proposal) in open.iter().zip(proposals) {
         let Some(proposal) = proposal else { continue };
-        let run = open.start..open.start + open.len;
-        for (child, &len) in proposal.counts.iter().enumerate() {
-            let (list, tail) = core::mem::take(&mut rest).split_at_mut(len);
-            rest = tail;
-            jobs.push((child, run.clone(), list));
+        let all = open.start..open.start + open.len;
+        let chunks = references[all.clone()].chunks(BIN_CHUNK).zip(masks[all].chunks(BIN_CHUNK));
+        let first = runs.len();
+        runs.extend(chunks.map(|(references, masks)| Run { references, masks, lists: Default::default() }));
+        for child in 0..8 {
+            for (run, counts) in runs[first..].iter_mut().zip(&proposal.chunks) {
+                (run.lists[child], rest) = core::mem::take(&mut rest).split_at_mut(counts[child]);
+            }
         }
     }
-    jobs.into_par_iter().for_each(|(child, run, list)| {
-        let met = references[run.clone()].iter().zip(&masks[run]).filter(|(_, mask)| **mask >> child & 1 == 1);
-        for (slot, (reference, _)) in list.iter_mut().zip(met) {
-            *slot = *reference;
-        }
-    });
+    runs.into_par_iter().for_each(Run::scatter);
 }

@@ -1,0 +1,42 @@
+//! `Span`: boxes in lattice units, all axes at a time.
+
+use wide::f32x4;
+
+/// A box; the fourth lane means nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub(super) lower: f32x4,
+    pub(super) upper: f32x4,
+}
+
+impl Span {
+    pub(super) fn new(lower: [f32; 3], upper: [f32; 3]) -> Self {
+        Self { lower: lanes(lower), upper: lanes(upper) }
+    }
+
+    #[inline]
+    pub(super) fn around(corners: &[[f32; 3]; 3]) -> Self {
+        // Corners one behind the other are loaded at once, with the first number of the next.
+        let &[a0, a1, a2, b0, b1, b2, c0, c1, c2] = corners.as_flattened() else { unreachable!("nine numbers") };
+        let (a, b) = (f32x4::new([a0, a1, a2, b0]), f32x4::new([b0, b1, b2, c0]));
+        let c = lanes([c0, c1, c2]);
+        Self { lower: a.fast_min(b).fast_min(c), upper: a.fast_max(b).fast_max(c) }
+    }
+
+    /// Whether another box reaches nowhere out of this one.
+    #[inline]
+    pub(super) fn holds(&self, other: &Self) -> bool {
+        axes(other.lower.simd_ge(self.lower) & other.upper.simd_le(self.upper)) == 7
+    }
+}
+
+#[inline]
+pub(super) fn lanes([x, y, z]: [f32; 3]) -> f32x4 {
+    f32x4::new([x, y, z, 0.0])
+}
+
+/// The axes whose lanes are set, as bits.
+#[inline]
+pub(super) fn axes(set: f32x4) -> usize {
+    set.to_bitmask() as usize & 7
+}
