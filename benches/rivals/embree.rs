@@ -20,26 +20,23 @@ use binding::{
 use packet::Packet;
 use scene::{Device, Scene};
 
-/// One ray a call.
-pub(crate) const SINGLE: &str = "embree single";
-
-/// All ways to call Embree on this machine, by default and ROBUST.
-pub(crate) fn all(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
+/// All ways to call Embree on this machine, by default (`false`), ROBUST or both.
+pub(crate) fn all(mesh: &Mesh, robust: &[bool]) -> Vec<Box<dyn Rival>> {
     let mut ways = vec![
-        ([SINGLE, "embree ROBUST single"], Calls::Single, INCOHERENT),
+        (["embree single", "embree ROBUST single"], Calls::Single, INCOHERENT),
         (["embree stream", "embree ROBUST stream"], Calls::Stream, INCOHERENT),
         (["embree stream coherent", "embree ROBUST stream coherent"], Calls::Stream, COHERENT),
         (["embree 8", "embree ROBUST 8"], Calls::Eight, INCOHERENT),
         (["embree 8 coherent", "embree ROBUST 8 coherent"], Calls::Eight, COHERENT),
     ];
-    let scenes = [false, true].map(|robust| Rc::new(Scene::new(mesh, robust).0));
-    if scenes[0].device.property(NATIVE_RAY16) == 1 {
+    let scenes: Vec<_> = robust.iter().map(|robust| (*robust, Rc::new(Scene::new(mesh, *robust).0))).collect();
+    if scenes[0].1.device.property(NATIVE_RAY16) == 1 {
         ways.push((["embree 16 coherent", "embree ROBUST 16 coherent"], Calls::Sixteen, COHERENT));
     }
-    let rival = |i: usize, (names, calls, flags): ([&'static str; 2], Calls, c_int)| -> Box<dyn Rival> {
-        Box::new(Embree { name: names[i], scene: Rc::clone(&scenes[i]), calls, flags })
+    let rival = |(robust, scene): &(bool, Rc<Scene>), (names, calls, flags): ([&'static str; 2], Calls, c_int)| {
+        Box::new(Embree { name: names[usize::from(*robust)], scene: Rc::clone(scene), calls, flags }) as Box<dyn Rival>
     };
-    (0..2).flat_map(|i| ways.iter().map(move |way| (i, *way))).map(|(i, way)| rival(i, way)).collect()
+    scenes.iter().flat_map(|scene| ways.iter().map(move |way| rival(scene, *way))).collect()
 }
 
 /// The version of the library that is linked, such as 31305.

@@ -10,15 +10,19 @@ use super::{Answer, Family, Prepared, Rival, timed};
 
 /// What a user gets who asks for nothing special.
 pub(crate) const DEFAULT: &str = "leafwalk";
+/// One ray a call, one number at a time.
+const SCALAR: &str = "leafwalk scalar";
 /// One ray a call.
 pub(crate) const SINGLE: &str = "leafwalk single";
+/// As tables list them.
+pub(crate) const NAMES: [&str; 3] = [DEFAULT, SCALAR, SINGLE];
 
-/// All tracers of ours, over an octree. A further one takes a line here.
+/// All tracers of ours, over an octree. A further one takes a line here, and its name above.
 pub(crate) fn all(octree: &Octree<Vec<u32>>) -> Vec<Box<dyn Rival + '_>> {
     let view = octree.view();
     vec![
         ours(DEFAULT, octree, CpuTracer::new(view.clone())),
-        ours("leafwalk scalar", octree, view.clone()),
+        ours(SCALAR, octree, view.clone()),
         ours(SINGLE, octree, Single(CpuTracer::new(view))),
     ]
 }
