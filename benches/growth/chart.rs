@@ -8,14 +8,20 @@ use plotters::prelude::*;
 use crate::{MEASURES, Point};
 
 const SIZE: (u32, u32) = (960, 560);
-const OURS: RGBColor = RGBColor(0, 100, 200);
-const EMBREE: RGBColor = RGBColor(200, 90, 0);
+/// Of the line that says whose curve is which.
+const HEAD: u32 = 28;
+const OURS: (&str, RGBColor) = ("leafwalk", RGBColor(0, 100, 200));
+const EMBREE: (&str, RGBColor) = ("Embree, the fastest way to call it", RGBColor(200, 90, 0));
 
 /// Draws a panel a measure, over the number of triangles.
 pub(crate) fn draw(points: &[Point], path: &Path) -> Result<(), Box<dyn Error>> {
     let picture = SVGBackend::new(path, SIZE).into_drawing_area();
     picture.fill(&WHITE)?;
-    let panels = picture.split_evenly((2, 3));
+    let (head, body) = picture.split_vertically(HEAD);
+    for ((name, colour), x) in [(OURS, 16), (EMBREE, 100)] {
+        head.draw(&Text::new(name, (x, 8), ("sans-serif", 16).into_font().color(&colour)))?;
+    }
+    let panels = body.split_evenly((2, 3));
     for ((measure, unit), panel) in MEASURES.into_iter().zip(&panels) {
         let points: Vec<&Point> = points.iter().filter(|point| point.measure == measure).collect();
         let ours: Vec<(f64, f64)> = points.iter().map(|point| (point.triangles as f64, point.ours)).collect();
@@ -36,12 +42,8 @@ pub(crate) fn draw(points: &[Point], path: &Path) -> Result<(), Box<dyn Error>> 
             .x_label_formatter(&|triangles| power(*triangles))
             .y_label_formatter(&|value| value.to_string())
             .draw()?;
-        for (name, colour, series) in [("leafwalk", OURS, ours), ("Embree's best", EMBREE, embree)] {
+        for ((_, colour), series) in [(OURS, ours), (EMBREE, embree)] {
             chart.draw_series(series.iter().map(|point| Circle::new(*point, 3, colour.filled())))?;
-            if let Some(last) = series.last() {
-                let label = Text::new(name, (last.0, last.1), ("sans-serif", 12).into_font().color(&colour));
-                chart.draw_series([label])?;
-            }
             chart.draw_series(LineSeries::new(series, colour.stroke_width(2)))?;
         }
     }

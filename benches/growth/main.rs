@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use leafwalk::{Builder, Mesh};
 
-use rivals::{Family, Prepared, Rival, ours, timed};
+use rivals::{Prepared, Rival, ours, timed};
 use support::{meshes, scenes, workloads};
 
 /// Primary rays are this many squared.
@@ -106,8 +106,7 @@ fn measure(mesh: &Mesh, rounds: u32) -> Vec<Point> {
     };
     rows.push(tracers.iter().map(|rival| build(&**rival)).collect());
     let point = |((measure, unit), values): ((&'static str, &'static str), Vec<f64>)| {
-        let embree =
-            tracers.iter().zip(&values).filter(|(rival, value)| rival.family() == Family::Embree && !value.is_nan());
+        let embree = tracers.iter().zip(&values).filter(|(rival, value)| !rival.is_ours() && !value.is_nan());
         let embree = embree.min_by(|a, b| a.1.total_cmp(b.1)).map(|(rival, value)| (*value, rival.name().into()));
         Point { triangles, measure, unit, ours: values[0], embree }
     };

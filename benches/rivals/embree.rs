@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use leafwalk::{Mesh, Ray};
 
-use super::{Answer, Family, Prepared, Rival};
+use super::{Answer, Prepared, Rival};
 
 mod binding;
 mod packet;
@@ -134,14 +134,11 @@ impl Rival for Embree {
     fn name(&self) -> &str {
         self.name
     }
-    fn family(&self) -> Family {
-        if self.name.contains("ROBUST") { Family::EmbreeRobust } else { Family::Embree }
-    }
     fn bytes(&self) -> Option<usize> {
         Some(self.scene.bytes)
     }
     fn rebuild(&self, mesh: &Mesh) -> Option<Duration> {
-        let robust = self.family() == Family::EmbreeRobust;
+        let robust = self.name.contains("ROBUST");
         (self.calls == Calls::Single).then(|| Scene::new(mesh, robust).1)
     }
     fn closest<'a>(&'a self, rays: &'a [Ray]) -> Box<dyn Prepared<Answer> + 'a> {

@@ -6,7 +6,7 @@ use std::hash::DefaultHasher;
 
 use leafwalk::{Builder, CpuTracer, Hit, LengthMismatch, Mesh, Octree, Ray, Tracer, hit_hash};
 
-use super::{Answer, Family, Prepared, Rival, timed};
+use super::{Answer, Prepared, Rival, timed};
 
 /// What a user gets who asks for nothing special.
 pub(crate) const DEFAULT: &str = "leafwalk";
@@ -41,8 +41,8 @@ impl<T: Tracer> Rival for Ours<T> {
     fn name(&self) -> &str {
         self.name
     }
-    fn family(&self) -> Family {
-        Family::Ours
+    fn is_ours(&self) -> bool {
+        true
     }
     fn bytes(&self) -> Option<usize> {
         Some(self.bytes)

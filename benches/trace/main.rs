@@ -167,7 +167,7 @@ fn measure(arguments: &Arguments, scene: &str, mesh: &Mesh, inside: bool) -> Rep
                 triangles,
                 measure: Measure::Rays(workload.name),
                 tracer: rival.name().into(),
-                family: rival.family(),
+                is_ours: rival.is_ours(),
                 seconds: run.seconds,
                 rays: workload.rays.len(),
                 hits: run.hits,

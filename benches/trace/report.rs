@@ -1,6 +1,6 @@
 //! What is measured: rows, as a table to read and for CSV.
 
-use crate::rivals::{Family, ours};
+use crate::rivals::ours;
 use crate::table::Table;
 
 /// The columns of the CSV, before those for the ratios of ours to the row's tracer.
@@ -58,7 +58,7 @@ pub(crate) struct Row {
     pub(crate) triangles: usize,
     pub(crate) measure: Measure,
     pub(crate) tracer: String,
-    pub(crate) family: Family,
+    pub(crate) is_ours: bool,
     /// One time a round; rounds of the rows of one measurement belong together.
     pub(crate) seconds: Vec<f64>,
     /// 0 for a build, as the next two.
@@ -135,7 +135,7 @@ impl Report {
     }
 
     fn ours(&self, of: &Row) -> Vec<&Row> {
-        self.rows.iter().filter(|row| row.family == Family::Ours && row.measure == of.measure).collect()
+        self.rows.iter().filter(|row| row.is_ours && row.measure == of.measure).collect()
     }
 
     /// Prints the table of some measures.
