@@ -44,13 +44,6 @@ impl Arithmetic for Fused {
     const CONTRACTS: bool = true;
 }
 
-/// Small numbers stay what they are.
-#[derive(Clone, Copy)]
-pub(crate) struct Unflushed;
-impl Arithmetic for Unflushed {
-    const FLUSHES: bool = false;
-}
-
 /// A number that remembers the factors it is the product of.
 #[derive(Clone, Copy)]
 pub(crate) struct Number<A> {
