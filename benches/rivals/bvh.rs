@@ -14,7 +14,7 @@ use leafwalk::{Mesh, Ray};
 use nalgebra::{Point3, Vector3};
 use obvhs::rt_triangle::RtTriangle;
 
-use super::{Answer, Family, OneByOne, Prepared, Rival, timed, triangle};
+use super::{Answer, OneByOne, Prepared, Rival, timed, triangle};
 
 struct Shape {
     bounds: Aabb<f32, 3>,
@@ -101,9 +101,6 @@ impl Plain {
 impl Rival for Plain {
     fn name(&self) -> &str {
         "bvh"
-    }
-    fn family(&self) -> Family {
-        Family::Bvh
     }
     fn bytes(&self) -> Option<usize> {
         Some(size_of_val(&self.bvh.nodes[..]) + size_of_val(&self.shapes[..]))

@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use leafwalk::{Mesh, Ray};
 
-use super::{Answer, Family, Prepared, Rival};
+use super::{Answer, Prepared, Rival};
 
 mod binding;
 mod packet;
@@ -20,18 +20,14 @@ use binding::{
 use packet::Packet;
 use scene::{Device, Scene};
 
-/// One ray a call.
-pub(crate) const SINGLE: &str = "embree single";
+/// What a scene may be built under: as names say it, and Embree's flags.
+type Setting = (&'static str, c_int);
 
-/// What a scene may be built under: as names say it, Embree's flags, and whose it is.
-const SETTINGS: [(&str, c_int, Family); 3] = [
-    ("", NO_FLAGS, Family::Embree),
-    ("ROBUST ", ROBUST, Family::EmbreeRobust),
-    ("COMPACT ", COMPACT, Family::EmbreeCompact),
-];
+/// By default, ROBUST and COMPACT.
+pub(crate) const SETTINGS: [Setting; 3] = [("", NO_FLAGS), ("ROBUST ", ROBUST), ("COMPACT ", COMPACT)];
 
-/// All ways to call Embree on this machine, by default, ROBUST and COMPACT.
-pub(crate) fn all(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
+/// All ways to call Embree on this machine, under each of some settings.
+pub(crate) fn all(mesh: &Mesh, settings: &[Setting]) -> Vec<Box<dyn Rival>> {
     let mut ways = vec![
         ("single", Calls::Single, INCOHERENT),
         ("stream", Calls::Stream, INCOHERENT),
@@ -39,15 +35,15 @@ pub(crate) fn all(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
         ("8", Calls::Eight, INCOHERENT),
         ("8 coherent", Calls::Eight, COHERENT),
     ];
-    let scenes = SETTINGS.map(|(_, flags, _)| Rc::new(Scene::new(mesh, flags).0));
-    if scenes[0].device.property(NATIVE_RAY16) == 1 {
-        ways.push(("16 coherent", Calls::Sixteen, COHERENT));
-    }
     let mut rivals: Vec<Box<dyn Rival>> = Vec::new();
-    for ((setting, scene_flags, family), scene) in SETTINGS.into_iter().zip(scenes) {
+    for &(setting, scene_flags) in settings {
+        let scene = Rc::new(Scene::new(mesh, scene_flags).0);
+        if rivals.is_empty() && scene.device.property(NATIVE_RAY16) == 1 {
+            ways.push(("16 coherent", Calls::Sixteen, COHERENT));
+        }
         for &(way, calls, flags) in &ways {
             let name = format!("embree {setting}{way}");
-            rivals.push(Box::new(Embree { name, family, scene: Rc::clone(&scene), scene_flags, calls, flags }));
+            rivals.push(Box::new(Embree { name, scene: Rc::clone(&scene), scene_flags, calls, flags }));
         }
     }
     rivals
@@ -132,7 +128,6 @@ enum Calls {
 
 struct Embree {
     name: String,
-    family: Family,
     scene: Rc<Scene>,
     scene_flags: c_int,
     calls: Calls,
@@ -149,9 +144,6 @@ impl Embree {
 impl Rival for Embree {
     fn name(&self) -> &str {
         &self.name
-    }
-    fn family(&self) -> Family {
-        self.family
     }
     fn bytes(&self) -> Option<usize> {
         Some(self.scene.bytes)

@@ -35,35 +35,14 @@ impl Answer {
     pub(crate) const MISS: Self = Self { t: f32::INFINITY, primitive: u32::MAX };
 }
 
-/// Whose tracer it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Family {
-    /// Ours, whatever its name.
-    Ours,
-    /// Embree by its default settings.
-    Embree,
-    /// Embree with its flag ROBUST.
-    #[cfg(feature = "embree")]
-    EmbreeRobust,
-    /// Embree with its flag COMPACT.
-    #[cfg(feature = "embree")]
-    EmbreeCompact,
-    /// The crate obvhs.
-    Obvhs,
-    /// The crate parry3d.
-    Parry,
-    /// The crate bvh.
-    Bvh,
-    /// tinybvh.
-    TinyBvh,
-}
-
 /// A tracer under measurement.
 pub(crate) trait Rival {
     /// As tables print it.
     fn name(&self) -> &str;
-    /// Whose it is.
-    fn family(&self) -> Family;
+    /// Whether it is ours, whatever its name.
+    fn is_ours(&self) -> bool {
+        false
+    }
     /// What it holds in memory to trace with, the caller's mesh not counted; `None` where it can't be told.
     fn bytes(&self) -> Option<usize>;
     /// Builds its structure once more, for the time that takes; `None` where another tracer stands for the same one.

@@ -11,7 +11,7 @@ use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::RayHit;
 use obvhs::rt_triangle::RtTriangle;
 
-use super::{Answer, Family, OneByOne, Prepared, Rival, timed, triangle};
+use super::{Answer, OneByOne, Prepared, Rival, timed, triangle};
 
 fn form(ray: &Ray) -> obvhs::ray::Ray {
     obvhs::ray::Ray::new(ray.origin.into(), ray.direction.into(), ray.t_min, ray.t_max)
@@ -46,9 +46,6 @@ macro_rules! rival {
         impl Rival for $rival {
             fn name(&self) -> &str {
                 $name
-            }
-            fn family(&self) -> Family {
-                Family::Obvhs
             }
             fn bytes(&self) -> Option<usize> {
                 let order = size_of_val(&self.bvh.primitive_indices[..]);

@@ -6,24 +6,36 @@ use std::hash::DefaultHasher;
 
 use leafwalk::{Builder, CpuTracer, Hit, LengthMismatch, Mesh, Octree, Ray, Tracer, hit_hash};
 
-use super::{Answer, Family, Prepared, Rival, timed};
+use super::{Answer, Prepared, Rival, timed};
 
 /// What a user gets who asks for nothing special.
 pub(crate) const DEFAULT: &str = "leafwalk";
+/// One ray a call, one number at a time.
+const SCALAR: &str = "leafwalk scalar";
 /// One ray a call.
 pub(crate) const SINGLE: &str = "leafwalk single";
 /// Over a compact octree.
 const COMPACT: &str = "leafwalk compact";
+/// Over a compact octree, one ray a call.
+const COMPACT_SINGLE: &str = "leafwalk compact single";
+/// As tables list them.
+pub(crate) const NAMES: [&str; 5] = [DEFAULT, SCALAR, SINGLE, COMPACT, COMPACT_SINGLE];
 
-/// All tracers of ours, over an octree and the compact one of the same mesh. A further one takes a line here.
+/// What most users get.
+pub(crate) fn default(octree: &Octree<Vec<u32>>) -> Box<dyn Rival + '_> {
+    ours(DEFAULT, octree, CpuTracer::new(octree.view()))
+}
+
+/// All tracers of ours, over an octree and the compact one of the same mesh. A further one takes a line here, and its name
+/// above.
 pub(crate) fn all<'a>(octree: &'a Octree<Vec<u32>>, compact: &'a Octree<Vec<u32>>) -> Vec<Box<dyn Rival + 'a>> {
     let view = octree.view();
     vec![
-        ours(DEFAULT, octree, CpuTracer::new(view.clone())),
-        ours("leafwalk scalar", octree, view.clone()),
+        default(octree),
+        ours(SCALAR, octree, view.clone()),
         ours(SINGLE, octree, Single(CpuTracer::new(view))),
         ours(COMPACT, compact, CpuTracer::new(compact.view())),
-        ours("leafwalk compact single", compact, Single(CpuTracer::new(compact.view()))),
+        ours(COMPACT_SINGLE, compact, Single(CpuTracer::new(compact.view()))),
     ]
 }
 
@@ -41,8 +53,8 @@ impl<T: Tracer> Rival for Ours<T> {
     fn name(&self) -> &str {
         self.name
     }
-    fn family(&self) -> Family {
-        Family::Ours
+    fn is_ours(&self) -> bool {
+        true
     }
     fn bytes(&self) -> Option<usize> {
         Some(self.bytes)

@@ -6,7 +6,7 @@ use leafwalk::{Mesh, Ray};
 use parry3d::math::Vector;
 use parry3d::shape::{CompositeShapeRef, TriMesh};
 
-use super::{Answer, Family, OneByOne, Prepared, Rival, timed};
+use super::{Answer, OneByOne, Prepared, Rival, timed};
 
 /// The BVH of a triangle mesh.
 pub(crate) struct Parry(TriMesh);
@@ -33,9 +33,6 @@ fn form(ray: &Ray) -> (parry3d::query::Ray, f32) {
 impl Rival for Parry {
     fn name(&self) -> &str {
         "parry3d"
-    }
-    fn family(&self) -> Family {
-        Family::Parry
     }
     fn bytes(&self) -> Option<usize> {
         // It traces the mesh itself, which is its own.

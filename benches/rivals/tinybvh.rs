@@ -12,7 +12,7 @@ use leafwalk::{Mesh, Ray};
 // Only for the library inside.
 use tinybvh_rs as _;
 
-use super::{Answer, Family, OneByOne, Prepared, Rival, timed};
+use super::{Answer, OneByOne, Prepared, Rival, timed};
 
 #[cfg(not(all(target_arch = "x86_64", unix)))]
 compile_error!("the feature `tinybvh` is for x86-64 on Unix: leave it out");
@@ -149,9 +149,6 @@ impl Bvh8 {
 impl Rival for Bvh8 {
     fn name(&self) -> &str {
         "tinybvh bvh8"
-    }
-    fn family(&self) -> Family {
-        Family::TinyBvh
     }
     fn bytes(&self) -> Option<usize> {
         Some(self.bytes)

@@ -1,6 +1,6 @@
 //! Build times, and bytes a triangle.
 
-use crate::rivals::{Family, Rival, ours, timed_by_wall};
+use crate::rivals::{Rival, ours, timed_by_wall};
 use leafwalk::{Builder, Mesh};
 
 use crate::report::{Measure, Row};
@@ -18,12 +18,12 @@ pub(crate) fn run(rounds: u32, scene: &str, mesh: &Mesh, tracers: &[Box<dyn Riva
         let (_, time) = pair.install(|| timed_by_wall(|| Builder::new().build(mesh).is_ok()));
         on_two.push(time.as_secs_f64());
     }
-    let row = |threads, tracer: &str, family, seconds: Vec<f64>, bytes| Row {
+    let row = |threads, tracer: &str, is_ours, seconds: Vec<f64>, bytes| Row {
         scene: scene.into(),
         triangles: mesh.triangles.len(),
         measure: Measure::Build { threads },
         tracer: tracer.into(),
-        family,
+        is_ours,
         seconds,
         rays: 0,
         hits: 0,
@@ -34,7 +34,7 @@ pub(crate) fn run(rounds: u32, scene: &str, mesh: &Mesh, tracers: &[Box<dyn Riva
     let one = one.map(|(rival, times)| {
         // One way to call a tracer stands for all of them.
         let name = rival.name().trim_end_matches(" single");
-        row(1, name, rival.family(), times, rival.bytes())
+        row(1, name, rival.is_ours(), times, rival.bytes())
     });
-    one.chain([row(2, ours::DEFAULT, Family::Ours, on_two, None)]).filter(|row| !row.seconds.is_empty()).collect()
+    one.chain([row(2, ours::DEFAULT, true, on_two, None)]).filter(|row| !row.seconds.is_empty()).collect()
 }

@@ -3,28 +3,28 @@
 //!
 //! `cargo bench --bench trace [--features embree,tinybvh] [-- SCENE ...]`; LEAFWALK_SCENES names the folder of real
 //! scenes, without it the default is made in code. The table is also written as CSV, to target/bench/trace.csv or where
-//! LEAFWALK_BENCH_CSV says.
+//! LEAFWALK_BENCH_CSV says: scenes that are not measured keep their rows there, so a run may be of one scene.
 
 mod bars;
 mod builds;
-mod earlier;
 mod race;
 mod report;
 #[path = "../rivals/mod.rs"]
 mod rivals;
 #[path = "../support.rs"]
 mod support;
+mod table;
 mod truth;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use earlier::Earlier;
 use leafwalk::{Builder, Mesh};
 
 use report::{Measure, Report, Row};
 use rivals::{Rival, bvh, obvhs, ours, parry};
 use support::workloads;
+use table::Table;
 use truth::Truth;
 
 /// Measures tracers beside each other.
@@ -44,6 +44,9 @@ struct Arguments {
     /// Primary rays are this many squared; a multiple of 8.
     #[arg(long, default_value_t = 1024, value_parser = side)]
     side: u32,
+    /// Measures nothing: prints the bars from what is in the CSV.
+    #[arg(long)]
+    report: bool,
     /// The CSV of a run that was built with RUSTFLAGS='-C target-cpu=native', to compare ours with.
     #[arg(long, value_name = "CSV")]
     native: Option<PathBuf>,
@@ -65,10 +68,21 @@ impl Arguments {
 
 fn main() {
     let arguments = Arguments::parse();
-    let native = arguments.native.as_deref().map(|path| {
-        Earlier::read(path).unwrap_or_else(|error| fail(2, &format!("cannot read {}: {error}", path.display())))
-    });
-    let mut report = Report::default();
+    let native = arguments.native.as_deref().map(read);
+    let path = std::env::var_os("LEAFWALK_BENCH_CSV").map_or_else(default_path, PathBuf::from);
+    let mut table = if path.exists() { read(&path) } else { Table::default() };
+    if !arguments.report {
+        measure_all(&arguments, &path, &mut table);
+    }
+    bars::print(&table, native.as_ref());
+}
+
+fn read(path: &Path) -> Table {
+    Table::read(path).unwrap_or_else(|error| fail(2, &format!("cannot read {}: {error}", path.display())))
+}
+
+/// Measures scene by scene, each of which is in the CSV at once.
+fn measure_all(arguments: &Arguments, path: &Path, table: &mut Table) {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let build = if cfg!(target_feature = "avx2") { "for CPUs with AVX2" } else { "without flags" };
     println!("{} rounds on one thread, by CPU time; {cores} cores; built {build}", arguments.rounds);
@@ -78,15 +92,13 @@ fn main() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
     pool.install(|| {
         for (name, mesh, inside) in scenes(&arguments.scenes) {
-            measure(&arguments, &name, &mesh, inside, &mut report);
+            table.update(measure(arguments, &name, &mesh, inside).table());
+            if let Err(error) = table.write(path) {
+                fail(1, &format!("cannot write {}: {error}", path.display()));
+            }
         }
     });
-    bars::print(&report, native.as_ref());
-    let path = std::env::var_os("LEAFWALK_BENCH_CSV").map_or_else(default_path, PathBuf::from);
-    match report.write(&path) {
-        Ok(()) => println!("\nwritten to {}", path.display()),
-        Err(error) => fail(1, &format!("cannot write {}: {error}", path.display())),
-    }
+    println!("\nwritten to {}", path.display());
 }
 
 fn fail(code: i32, text: &str) -> ! {
@@ -127,7 +139,8 @@ fn scenes(names: &[String]) -> Vec<(String, Mesh, bool)> {
     scenes
 }
 
-fn measure(arguments: &Arguments, scene: &str, mesh: &Mesh, inside: bool, report: &mut Report) {
+fn measure(arguments: &Arguments, scene: &str, mesh: &Mesh, inside: bool) -> Report {
+    let mut report = Report::default();
     let octree = Builder::new().build(mesh).expect("a mesh that builds");
     let compact = Builder::new().compact().build(mesh).expect("a mesh that builds");
     let triangles = mesh.triangles.len();
@@ -142,7 +155,7 @@ fn measure(arguments: &Arguments, scene: &str, mesh: &Mesh, inside: bool, report
     for row in builds::run(arguments.build_rounds, scene, mesh, &tracers) {
         report.add(row);
     }
-    report.print(scene, Measure::is_build);
+    report.print(Measure::is_build);
     for workload in workloads::all(&octree, mesh, inside, arguments.side) {
         let mut truth = Truth::new(&octree, mesh, &workload.rays);
         let runs = match workload.is_occlusion {
@@ -155,7 +168,7 @@ fn measure(arguments: &Arguments, scene: &str, mesh: &Mesh, inside: bool, report
                 triangles,
                 measure: Measure::Rays(workload.name),
                 tracer: rival.name().into(),
-                family: rival.family(),
+                is_ours: rival.is_ours(),
                 seconds: run.seconds,
                 rays: workload.rays.len(),
                 hits: run.hits,
@@ -163,8 +176,9 @@ fn measure(arguments: &Arguments, scene: &str, mesh: &Mesh, inside: bool, report
                 bytes: None,
             });
         }
-        report.print(scene, |measure| measure == Measure::Rays(workload.name));
+        report.print(|measure| measure == Measure::Rays(workload.name));
     }
+    report
 }
 
 /// All tracers but ours that this build knows.
@@ -177,7 +191,7 @@ fn rivals(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
         Box::new(bvh::Plain::new(mesh).0),
     ];
     #[cfg(feature = "embree")]
-    rivals.extend(crate::rivals::embree::all(mesh));
+    rivals.extend(crate::rivals::embree::all(mesh, &crate::rivals::embree::SETTINGS));
     #[cfg(feature = "tinybvh")]
     match crate::rivals::tinybvh::Bvh8::new(mesh) {
         Some((bvh, _)) => rivals.push(Box::new(bvh)),

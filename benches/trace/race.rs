@@ -1,6 +1,6 @@
 //! Tracers on the same rays, in turns.
 
-use crate::rivals::{Answer, Family, Prepared, Rival, timed};
+use crate::rivals::{Answer, Prepared, Rival, timed};
 
 use crate::truth::Truth;
 
@@ -56,7 +56,7 @@ pub(crate) fn run<'a, A: Judged>(
         let hits = answers.iter().filter(|answer| answer.is_hit()).count();
         let wrong = (0..).zip(&answers).filter(|(ray, answer)| answer.is_wrong(truth, *ray)).count();
         runs.push(Run { seconds: Vec::new(), hits, wrong });
-        if rival.family() == Family::Ours {
+        if rival.is_ours() {
             let hash = batch.hash().expect("ours hash their answers");
             let (first, expected) = *ours.get_or_insert((rival.name(), hash));
             assert_eq!(hash, expected, "{} answers otherwise than {first}", rival.name());

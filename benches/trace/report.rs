@@ -1,13 +1,10 @@
-//! What was measured: rows, as a table to read and as CSV.
+//! What is measured: rows, as a table to read and for CSV.
 
-use std::fs;
-use std::io;
-use std::path::Path;
-
-use crate::rivals::Family;
+use crate::rivals::ours;
+use crate::table::Table;
 
 /// The columns of the CSV, before those for the ratios of ours to the row's tracer.
-pub(crate) const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 13] = [
     "scene",
     "triangles",
     "measure",
@@ -22,6 +19,16 @@ pub(crate) const COLUMNS: [&str; 13] = [
     "wrong",
     "bytes_per_triangle",
 ];
+
+/// All columns of the CSV.
+pub(crate) fn columns() -> Vec<String> {
+    COLUMNS.map(String::from).into_iter().chain(ours::NAMES.map(over)).collect()
+}
+
+/// The column for how many times as fast one of ours is as the row's tracer.
+pub(crate) fn over(ours: &str) -> String {
+    format!("{ours} / it")
+}
 
 /// What a row is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +58,7 @@ pub(crate) struct Row {
     pub(crate) triangles: usize,
     pub(crate) measure: Measure,
     pub(crate) tracer: String,
-    pub(crate) family: Family,
+    pub(crate) is_ours: bool,
     /// One time a round; rounds of the rows of one measurement belong together.
     pub(crate) seconds: Vec<f64>,
     /// 0 for a build, as the next two.
@@ -70,12 +77,8 @@ impl Row {
     }
 
     /// Of the times in seconds for a build, else of the speeds in Mrays/s.
-    pub(crate) fn median(&self) -> f64 {
+    fn median(&self) -> f64 {
         self.quantile(0.5)
-    }
-
-    pub(crate) fn median_seconds(&self) -> f64 {
-        quantile(self.seconds.clone(), 0.5)
     }
 
     fn unit(&self) -> &'static str {
@@ -87,7 +90,7 @@ impl Row {
     }
 
     /// How many times as fast as another row this one is: the median over rounds.
-    pub(crate) fn speed_over(&self, other: &Row) -> f64 {
+    fn speed_over(&self, other: &Row) -> f64 {
         quantile(self.seconds.iter().zip(&other.seconds).map(|(own, other)| other / own).collect(), 0.5)
     }
 
@@ -110,10 +113,6 @@ impl Row {
             cell(self.bytes_per_triangle()),
         ]
     }
-
-    fn belongs_with(&self, other: &Row) -> bool {
-        self.scene == other.scene && self.measure == other.measure
-    }
 }
 
 /// Linear between the values beside it.
@@ -124,7 +123,7 @@ fn quantile(mut values: Vec<f64>, at: f64) -> f64 {
     low + (high - low) * place.fract()
 }
 
-/// All rows of a run.
+/// All rows of a scene.
 #[derive(Default)]
 pub(crate) struct Report {
     rows: Vec<Row>,
@@ -135,31 +134,19 @@ impl Report {
         self.rows.push(row);
     }
 
-    /// All rows of a scene's measurement, ours first.
-    pub(crate) fn rows(&self, scene: &str, measure: Measure) -> impl Iterator<Item = &Row> {
-        self.rows.iter().filter(move |row| row.scene == scene && row.measure == measure)
-    }
-
-    /// Scenes in the order of their measurement.
-    pub(crate) fn scenes(&self) -> Vec<&str> {
-        let mut scenes: Vec<&str> = self.rows.iter().map(|row| row.scene.as_str()).collect();
-        scenes.dedup();
-        scenes
-    }
-
     fn ours(&self, of: &Row) -> Vec<&Row> {
-        self.rows.iter().filter(|row| row.family == Family::Ours && row.belongs_with(of)).collect()
+        self.rows.iter().filter(|row| row.is_ours && row.measure == of.measure).collect()
     }
 
-    /// Prints the table of some measures of a scene.
-    pub(crate) fn print(&self, scene: &str, wanted: impl Fn(Measure) -> bool) {
-        let rows: Vec<&Row> = self.rows.iter().filter(|row| row.scene == scene && wanted(row.measure)).collect();
+    /// Prints the table of some measures.
+    pub(crate) fn print(&self, wanted: impl Fn(Measure) -> bool) {
+        let rows: Vec<&Row> = self.rows.iter().filter(|row| wanted(row.measure)).collect();
         let Some(first) = rows.first() else { return };
         let is_build = first.measure.is_build();
         let ours: Vec<&str> = self.ours(first).iter().map(|row| row.tracer.as_str()).collect();
-        let ratios: String = ours.iter().map(|name| format!(" {:>18}", format!("{name} / it"))).collect();
+        let ratios: String = ours.iter().map(|name| format!(" {:>18}", over(name))).collect();
         let counts = if is_build { "   bytes/triangle".into() } else { format!("{:>9} {:>7}", "hits", "wrong") };
-        println!("\n{:>18} {:>26} {:>9} {:>17} {counts}{ratios}", scene, "", first.unit(), "quartiles");
+        println!("\n{:>18} {:>26} {:>9} {:>17} {counts}{ratios}", first.scene, "", first.unit(), "quartiles");
         for row in rows {
             let counts = match (is_build, row.bytes_per_triangle()) {
                 (false, _) => format!("{:>9} {:>7}", row.hits, row.wrong),
@@ -178,26 +165,14 @@ impl Report {
         }
     }
 
-    /// Writes everything as CSV. Cells that a row has nothing for stay empty.
-    pub(crate) fn write(&self, path: &Path) -> io::Result<()> {
-        let mut ours: Vec<&str> = Vec::new();
-        for row in self.rows.iter().filter(|row| row.family == Family::Ours) {
-            if !ours.contains(&row.tracer.as_str()) {
-                ours.push(&row.tracer);
-            }
-        }
-        let ratios = ours.iter().map(|name| format!("{name} / it"));
-        let mut lines = vec![COLUMNS.map(String::from).into_iter().chain(ratios).collect::<Vec<_>>().join(",")];
-        for row in &self.rows {
+    /// Everything for CSV. Cells that a row has nothing for stay empty.
+    pub(crate) fn table(&self) -> Table {
+        let cells = |row: &Row| {
             let beside = self.ours(row);
-            let ratio = |name: &&str| beside.iter().find(|row| row.tracer == **name).map(|ours| ours.speed_over(row));
-            let ratios = ours.iter().map(|name| cell(ratio(name)));
-            lines.push(row.cells().into_iter().chain(ratios).collect::<Vec<_>>().join(","));
-        }
-        if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder)?;
-        }
-        fs::write(path, lines.join("\n") + "\n")
+            let ratio = |name| beside.iter().find(|row| row.tracer == name).map(|ours| ours.speed_over(row));
+            row.cells().into_iter().chain(ours::NAMES.map(|name| cell(ratio(name)))).collect()
+        };
+        Table::new(self.rows.iter().map(cells).collect())
     }
 }
 

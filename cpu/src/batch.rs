@@ -26,7 +26,7 @@ const LEAST_SHARE: f32 = 3.0;
 pub(crate) struct Batch<'a, B, Q: Question> {
     pub(crate) hierarchy: &'a Hierarchy<'a, B>,
     pub(crate) beam_margin: f32,
-    pub(crate) is_streamed: bool,
+    pub(crate) way: Way,
     pub(crate) scratch: &'a mut Scratch,
     pub(crate) rays: &'a [Ray],
     pub(crate) answers: &'a mut [Q::Answer],
@@ -37,7 +37,7 @@ impl<B: Source, Q: Question> Kernel for Batch<'_, B, Q> {
 
     #[inline(always)]
     fn run<L: Eight>(self) {
-        let Self { hierarchy, beam_margin, is_streamed, scratch, rays, answers } = self;
+        let Self { hierarchy, beam_margin, way, scratch, rays, answers } = self;
         answers.fill(Q::MISS);
         if hierarchy.branches.is_empty() {
             return;
@@ -70,10 +70,21 @@ impl<B: Source, Q: Question> Kernel for Batch<'_, B, Q> {
                 continue;
             }
             let alone = from..if is_traced { run.start } else { at };
-            scratch.answer::<L, B, Q>(hierarchy, is_streamed, &rays[alone.clone()], &mut answers[alone], &mut stack);
+            scratch.answer::<L, B, Q>(hierarchy, way, &rays[alone.clone()], &mut answers[alone], &mut stack);
             from = at;
         }
     }
+}
+
+/// How rays are traced that no tile holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Way {
+    /// As suits their number, and how much those before them shared.
+    Measured,
+    /// Those of an octant together.
+    Stream,
+    /// Several in flight.
+    Flights,
 }
 
 /// What a thread keeps from one batch to the next.
@@ -89,19 +100,23 @@ impl Scratch {
         Self { stream: None, patience: Patience { failures: 0, skipped: 0 } }
     }
 
-    /// Answers rays that no tile holds; always by a stream, if tests ask for it.
+    /// Answers rays that no tile holds.
     #[inline(always)]
     fn answer<L: Eight, B: Source, Q: Question>(
         &mut self,
         hierarchy: &Hierarchy<'_, B>,
-        is_streamed: bool,
+        way: Way,
         rays: &[Ray],
         answers: &mut [Q::Answer],
         stack: &mut Stack,
     ) {
-        if rays.len() < LEAST_STREAM && !is_streamed {
-            sequence::<L, B, Q>(hierarchy, rays, answers, stack);
-        } else if !L::PREFETCHES || is_streamed || self.patience.tries() {
+        let way = match way {
+            Way::Measured if rays.len() < LEAST_STREAM => return sequence::<L, B, Q>(hierarchy, rays, answers, stack),
+            Way::Measured if !L::PREFETCHES || self.patience.tries() => Way::Stream,
+            Way::Measured => Way::Flights,
+            way => way,
+        };
+        if way == Way::Stream {
             let stream = self.stream.get_or_insert_with(Stream::new);
             let share = stream.trace::<L, B, Q>(hierarchy, rays, answers);
             self.patience.learns(share > LEAST_SHARE);

@@ -3,7 +3,7 @@
 use leafwalk_core::{Blocks, Hit, LengthMismatch, Octree, Ray, Tracer, Walk, Work};
 use rayon::prelude::*;
 
-use crate::batch::{Batch, Scratch};
+use crate::batch::{Batch, Scratch, Way};
 use crate::beam::BEAM_MARGIN;
 use crate::hierarchy::{Hierarchy, Source};
 use crate::lanes::Registers;
@@ -19,13 +19,13 @@ pub struct CpuTracer<W> {
     octree: Octree<W>,
     registers: Registers,
     beam_margin: f32,
-    is_streamed: bool,
+    way: Way,
 }
 
 impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     /// Takes an octree, owned or borrowed.
     pub fn new(octree: Octree<W>) -> Self {
-        Self { octree, registers: Registers::detect(), beam_margin: BEAM_MARGIN, is_streamed: false }
+        Self { octree, registers: Registers::detect(), beam_margin: BEAM_MARGIN, way: Way::Measured }
     }
 
     /// With the registers that the compiler may assume alone, for tests: all give the same bits.
@@ -35,11 +35,18 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
         Self { registers: Registers::Portable, ..self }
     }
 
-    /// With streams however few rays there are, for tests.
+    /// With streams however few rays there are, and however little they share, for tests.
     #[doc(hidden)]
     #[must_use]
     pub fn streamed(self) -> Self {
-        Self { is_streamed: true, ..self }
+        Self { way: Way::Stream, ..self }
+    }
+
+    /// With rays always in flight, for tests.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn in_flight(self) -> Self {
+        Self { way: Way::Flights, ..self }
     }
 
     /// With beams that are wider than their rays by this, in lattice units: too small, and a test has to notice.
@@ -91,9 +98,9 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
         answers: &mut [Q::Answer],
     ) -> Result<(), LengthMismatch> {
         let hierarchy = &Hierarchy::new(&self.octree, blocks);
-        let Self { beam_margin, is_streamed, .. } = *self;
+        let Self { beam_margin, way, .. } = *self;
         answer(rays, answers, Scratch::new, |scratch, rays, answers| {
-            self.registers.run(Batch::<B, Q> { hierarchy, beam_margin, is_streamed, scratch, rays, answers });
+            self.registers.run(Batch::<B, Q> { hierarchy, beam_margin, way, scratch, rays, answers });
         })
     }
 

@@ -73,14 +73,15 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
     let (singles, portable_singles) = (OneByOne(&batches), OneByOne(&portable));
     let (streamed, portable_streamed) = (batches.clone().streamed(), portable.clone().streamed());
     let scalar: [Any<'_>; 3] = [&scene.octree, &slab, &pluecker];
-    let lanes: [Any<'_>; 3] = [&batches, &singles, &streamed];
+    let in_flight = batches.clone().in_flight();
+    let lanes: [Any<'_>; 4] = [&batches, &singles, &streamed, &in_flight];
     let portable_lanes: [Any<'_>; 3] = [&portable, &portable_singles, &portable_streamed];
-    let tracers = [scalar, lanes, portable_lanes].concat();
+    let tracers: Vec<Any<'_>> = [&scalar[..], &lanes, &portable_lanes].concat();
     differences(&tracers, &scene.brute_force, &hard(mesh), scaled(count), seed).passes(name, 0.05);
     // What is right by now is the oracle for the compact octree.
     let compact = CpuTracer::new(scene.compact.view());
-    let (portable_compact, compact_in_flight) = (compact.clone().portable(), compact.clone().in_flight());
-    let tracers: [Any<'_>; 5] = [&scene.compact, &compact, &OneByOne(&compact), &compact_in_flight, &portable_compact];
+    let (streamed, in_flight) = (compact.clone().streamed(), compact.clone().in_flight());
+    let tracers: [Any<'_>; 5] = [&scene.compact, &compact, &OneByOne(&compact), &streamed, &in_flight];
     differences(&tracers, &scene.octree, &hard(mesh), scaled(count / 2), seed + 700)
         .passes(&format!("{name}, compact"), 0.05);
     let (centre, size) = rays::extent(mesh);

@@ -76,7 +76,8 @@ pub fn bumpy_sphere(levels: u32, seed: u64) -> Mesh {
 pub fn needle_box(strips: u32) -> Mesh {
     let mut builder = Builder::default();
     // Strip borders, denser and denser towards +1.
-    let mut borders: Vec<f32> = (0..strips).map(|i| 1.0 - 2.0 * 0.6f32.powi(i as i32)).collect();
+    let gaps = core::iter::successors(Some(2.0), |gap| Some(gap * 0.6f32));
+    let mut borders: Vec<f32> = gaps.take(strips as usize).map(|gap| 1.0 - gap).collect();
     borders.dedup();
     borders.retain(|b| *b < 1.0);
     borders.push(1.0);

@@ -84,7 +84,7 @@ pub fn hard(mesh: &Mesh, centre: [f32; 3], size: f32, random: &mut Random) -> Ra
         direction = direction.map(|c| random.nudge(c));
     }
     if random.below(8) == 0 {
-        direction[random.below(3)] *= 10f32.powf(-20.0 * random.unit());
+        direction[random.below(3)] *= 2f32.powi(-(random.below(67) as i32));
     }
     let scale = 2f32.powi(random.below(40) as i32 - 20);
     direction = direction.map(|c| c * scale);

@@ -25,7 +25,8 @@ pub fn all<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &leafwalk::Mesh, inside: b
         let hit = hits[i];
         (!hit.is_miss()).then(|| lifted(mesh, &primary[i], &hit))
     };
-    let light = point(&bounds, [0.5, 0.95, 0.5]);
+    // Inside under the ceiling; outside above the scene and beside the camera, so that it lights what the camera sees.
+    let light = point(&bounds, if inside { [0.5, 0.95, 0.5] } else { [1.5, 1.6, 0.8] });
     let towards_light = |(p, _): ([f32; 3], [f32; 3])| Ray::between(p, sub(light, p), 0.0, 1.0);
     let shadow = (0..primary.len()).filter_map(surface).map(towards_light).collect();
     let bounce = (0..primary.len())

@@ -14,6 +14,8 @@ pub(crate) trait Arithmetic: Copy + Sync + Send {
     /// A sum or difference of which one term is a product rounds once, as compilers for GPUs make it, and so does the
     /// comparison of two products, which such a compiler makes a difference.
     const CONTRACTS: bool = false;
+    /// Numbers whose products have no exact error terms are taken for 0.
+    const FLUSHES: bool = true;
 }
 
 /// Nothing is broken.
@@ -133,5 +135,8 @@ impl<A: Arithmetic> Lanes for Number<A> {
     fn product_error(self, other: Self, product: Self) -> Self {
         let error = self.value.product_error(other.value, product.value);
         Self::of(if A::KEEPS_ERRORS { error } else { 0.0 })
+    }
+    fn flush(self, smallest: f32) -> Self {
+        if A::FLUSHES { Self::of(self.value.flush(smallest)) } else { self }
     }
 }
