@@ -90,14 +90,14 @@ impl Clock {
 
 impl Frame {
     /// The ray that every backend traces, or `None`: it is invalid, or passes the root by.
-    #[inline]
+    #[inline(always)]
     pub fn canonical(&self, ray: &Ray) -> Option<CanonicalRay> {
         self.canonical_with::<Standard>(ray)
     }
 
     /// [`Frame::canonical`] under a policy that tests may spoil.
     #[doc(hidden)]
-    #[inline]
+    #[inline(always)]
     pub fn canonical_with<P: Policy>(&self, ray: &Ray) -> Option<CanonicalRay> {
         // A ray that is not moved meets no other clause that a policy may spoil.
         if !P::CLAMPS_T_MIN
@@ -118,6 +118,7 @@ impl Frame {
     }
 
     /// Any ray, by f64.
+    #[inline(never)]
     fn uncommon<P: Policy>(&self, ray: &Ray) -> Option<CanonicalRay> {
         if !ray.is_valid() {
             return None;

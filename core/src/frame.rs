@@ -1,6 +1,7 @@
 //! The lattice frame: the caller's units on one side, the unit root cube on the other.
 
 use crate::layout::{MESH_MARGIN, SMALLEST};
+use crate::per_axis;
 
 /// `caller = origin + 2^scale_exponent * lattice`; the root cube is 0..1 on every lattice axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,9 +51,10 @@ impl Frame {
     }
 
     /// A point in lattice units, rounded once; magnitudes under 2^-60 become 0.
+    #[inline(always)]
     pub fn to_lattice(&self, point: [f32; 3]) -> [f32; 3] {
         let inverse = power_of_two(-self.scale_exponent);
-        core::array::from_fn(|k| flush(((f64::from(point[k]) - self.origin[k]) * inverse) as f32, SMALLEST))
+        per_axis!(k => flush(((f64::from(point[k]) - self.origin[k]) * inverse) as f32, SMALLEST))
     }
 
     /// A lattice point in the caller's units.
@@ -62,11 +64,13 @@ impl Frame {
 }
 
 /// `x`, or 0 where its magnitude is under `smallest`: neither subnormals nor the sign of zero carry meaning.
+#[inline(always)]
 pub(crate) fn flush(x: f32, smallest: f32) -> f32 {
     if x.abs() < smallest { 0.0 } else { x }
 }
 
 /// 2 to a power within -1022..=1023.
+#[inline(always)]
 pub(crate) fn power_of_two(exponent: i32) -> f64 {
     debug_assert!((-1022..=1023).contains(&exponent));
     f64::from_bits(((exponent + 1023) as u64) << 52)

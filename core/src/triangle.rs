@@ -23,6 +23,7 @@ pub struct Shear<L> {
 }
 
 /// The axes in the order of a ray's permutation: the one of its largest direction component last.
+#[inline(always)]
 pub fn permutation(direction: [f32; 3]) -> [usize; 3] {
     let [is_x, is_y, _] = main_axis(direction);
     PERMUTATIONS[if is_x {

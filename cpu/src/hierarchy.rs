@@ -50,8 +50,8 @@ impl Source for Indexed<'_> {
 
 impl<'a, B: Source> Hierarchy<'a, B> {
     #[inline]
-    pub(crate) fn new<W: AsRef<[u32]>>(octree: &'a Octree<W>, blocks: B) -> Self {
-        Self { frame: octree.frame(), branches: octree.branches(), blocks }
+    pub(crate) fn new<W: AsRef<[u32]>>(octree: &'a Octree<W>, frame: Frame, blocks: B) -> Self {
+        Self { frame, branches: octree.branches(), blocks }
     }
 
     /// A branch by the word of a child. A block's is beyond all branches.

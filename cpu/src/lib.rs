@@ -7,6 +7,7 @@ mod brute_force;
 mod build;
 mod descent;
 mod flights;
+mod group;
 mod hierarchy;
 mod lanes;
 mod mesh;

@@ -3,7 +3,7 @@
 use core::cell::RefCell;
 use core::marker::PhantomData;
 
-use leafwalk_core::{CanonicalRay, Nearest, Ray};
+use leafwalk_core::Ray;
 
 use crate::descent::descend;
 use crate::hierarchy::{Hierarchy, Source};
@@ -21,30 +21,28 @@ pub(crate) fn answer<B: Source, Q: Question>(
 ) -> Q::Answer {
     // A new stack would have to be filled for each ray.
     thread_local!(static STACK: RefCell<Stack> = const { RefCell::new(Stack::new()) });
-    let Some(ray) = hierarchy.frame.canonical(ray) else { return Q::MISS };
-    STACK.with_borrow_mut(|stack| {
-        let nearest = registers.run(Single::<B, Q> { hierarchy, ray: &ray, stack, question: PhantomData });
-        Q::answer(&ray.clock, &nearest)
-    })
+    STACK.with_borrow_mut(|stack| registers.run(Single::<B, Q> { hierarchy, ray, stack, question: PhantomData }))
 }
 
 struct Single<'a, B, Q> {
     hierarchy: &'a Hierarchy<'a, B>,
-    ray: &'a CanonicalRay,
+    ray: &'a Ray,
     stack: &'a mut Stack,
     question: PhantomData<Q>,
 }
 
 impl<B: Source, Q: Question> Kernel for Single<'_, B, Q> {
-    type Output = Nearest;
+    type Output = Q::Answer;
 
     #[inline(always)]
-    fn run<L: Eight>(self) -> Nearest {
-        let ready = Ready::<L>::new(self.ray);
-        if Q::ANY {
+    fn run<L: Eight>(self) -> Q::Answer {
+        let Some(ray) = self.hierarchy.frame.canonical(self.ray) else { return Q::MISS };
+        let ready = Ready::<L>::new(&ray);
+        let nearest = if Q::ANY {
             descend::<L, B, true>(self.hierarchy, &ready, self.stack)
         } else {
             descend::<L, B, false>(self.hierarchy, &ready, self.stack)
-        }
+        };
+        Q::answer(&ray.clock, &nearest)
     }
 }

@@ -1,6 +1,6 @@
 //! `CpuTracer`: batches of rays on every core.
 
-use leafwalk_core::{Blocks, Hit, LengthMismatch, Octree, Ray, Tracer, Walk, Work};
+use leafwalk_core::{Blocks, Frame, Hit, LengthMismatch, Octree, Ray, Tracer, Walk, Work};
 use rayon::prelude::*;
 
 use crate::batch::{Batch, Scratch, Way};
@@ -17,6 +17,8 @@ const CHUNK: usize = 4096;
 #[derive(Clone, Debug)]
 pub struct CpuTracer<W> {
     octree: Octree<W>,
+    /// The octree's: to read it for each ray would take longer than the ray's first branch.
+    frame: Frame,
     registers: Registers,
     beam_margin: f32,
     way: Way,
@@ -25,7 +27,8 @@ pub struct CpuTracer<W> {
 impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     /// Takes an octree, owned or borrowed.
     pub fn new(octree: Octree<W>) -> Self {
-        Self { octree, registers: Registers::detect(), beam_margin: BEAM_MARGIN, way: Way::Measured }
+        let frame = octree.frame();
+        Self { octree, frame, registers: Registers::detect(), beam_margin: BEAM_MARGIN, way: Way::Measured }
     }
 
     /// With the registers that the compiler may assume alone, for tests: all give the same bits.
@@ -76,10 +79,10 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     fn single<Q: Question>(&self, ray: &Ray) -> Q::Answer {
         match self.octree.blocks() {
             Blocks::Packed(blocks) => {
-                single::answer::<_, Q>(self.registers, &Hierarchy::new(&self.octree, blocks), ray)
+                single::answer::<_, Q>(self.registers, &Hierarchy::new(&self.octree, self.frame, blocks), ray)
             }
             Blocks::Indexed(blocks) => {
-                single::answer::<_, Q>(self.registers, &Hierarchy::new(&self.octree, blocks), ray)
+                single::answer::<_, Q>(self.registers, &Hierarchy::new(&self.octree, self.frame, blocks), ray)
             }
         }
     }
@@ -97,7 +100,7 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
         rays: &[Ray],
         answers: &mut [Q::Answer],
     ) -> Result<(), LengthMismatch> {
-        let hierarchy = &Hierarchy::new(&self.octree, blocks);
+        let hierarchy = &Hierarchy::new(&self.octree, self.frame, blocks);
         let Self { beam_margin, way, .. } = *self;
         answer(rays, answers, Scratch::new, |scratch, rays, answers| {
             self.registers.run(Batch::<B, Q> { hierarchy, beam_margin, way, scratch, rays, answers });

@@ -82,7 +82,7 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
     let compact = CpuTracer::new(scene.compact.view());
     let (streamed, in_flight) = (compact.clone().streamed(), compact.clone().in_flight());
     let tracers: [Any<'_>; 5] = [&scene.compact, &compact, &OneByOne(&compact), &streamed, &in_flight];
-    differences(&tracers, &scene.octree, &hard(mesh), scaled(count / 2), seed + 700)
+    differences(&tracers, &scene.octree, &hard(mesh), scaled(count / 8), seed + 700)
         .passes(&format!("{name}, compact"), 0.05);
     let (centre, size) = rays::extent(mesh);
     for (shares, seed) in Shared::ALL.into_iter().zip(seed + 500..) {
