@@ -1,5 +1,5 @@
-//! A batch of rays, each traced in the way that suits it: runs that go the same way as tiles, the others one by one or, in
-//! structures that outgrow the caches, several in flight.
+//! A batch of rays, each traced in the way that suits it: runs that go the same way as tiles, the others in streams or,
+//! where they share too little, in flight; a few, one by one.
 
 use core::ops::Range;
 
@@ -130,7 +130,7 @@ impl Scratch {
 struct Patience {
     /// In a row.
     failures: u32,
-    /// Rays, or runs of them, for which it was not tried since.
+    /// Chances since then that were passed by.
     skipped: u32,
 }
 

@@ -106,7 +106,8 @@ impl Group {
         }
     }
 
-    /// Which lanes of a branch each ray meets, eight rays a number; and a mask of those that any meets, in the rays' order.
+    /// Which lanes of a branch each ray meets, eight rays a number; and a mask of those that any meets, in the rays'
+    /// order.
     #[inline(always)]
     pub(crate) fn meet<L: Eight>(
         &self,
@@ -124,12 +125,8 @@ impl Group {
             let mut shift = 0;
             for ray in &rays[..left.min(8)] {
                 let probe = &self.probes[*ray as usize % GROUP];
-                let (inverse, near, far) = (&probe.inverse, &probe.near, &probe.far);
-                let a: [L; 3] = per_axis!(k => boxes.near[k].about_mul_add(L::splat(inverse[k]), L::splat(near[k])));
-                let b: [L; 3] = per_axis!(k => boxes.far[k].about_mul_add(L::splat(inverse[k]), L::splat(far[k])));
-                let first = L::splat(probe.t_min).max(a[0]).max(a[1].max(a[2]));
-                let last = L::splat(probe.t).min(b[0]).min(b[1].min(b[2]));
-                *met |= u64::from(first.at_most(last).to_bits()) << shift;
+                let slabs = [probe.inverse, probe.near, probe.far];
+                *met |= u64::from(boxes.met(&slabs, probe.t_min, probe.t).to_bits()) << shift;
                 shift += 8;
             }
             union |= *met;

@@ -22,6 +22,17 @@ impl<L: Eight> Facing<L> {
         let (near, far) = (branch.facing(neg), branch.facing(!neg));
         Self { near: per_axis!(k => L::from_steps(near[k], order)), far: per_axis!(k => L::from_steps(far[k], order)) }
     }
+
+    /// Lanes whose box a ray meets between `first` and `last`: as [`Slabs::clip`] has it, but that near and far sides
+    /// are told apart. The ray's slabs are t' of a lattice step, and what near and far sides add to it.
+    #[inline(always)]
+    pub(crate) fn met(&self, [inverse, near, far]: &[[f32; 3]; 3], first: f32, last: f32) -> L::Mask {
+        let a: [L; 3] = per_axis!(k => self.near[k].about_mul_add(L::splat(inverse[k]), L::splat(near[k])));
+        let b: [L; 3] = per_axis!(k => self.far[k].about_mul_add(L::splat(inverse[k]), L::splat(far[k])));
+        let first = L::splat(first).max(a[0]).max(a[1].max(a[2]));
+        let last = L::splat(last).min(b[0]).min(b[1].min(b[2]));
+        first.at_most(last)
+    }
 }
 
 /// Which of a branch's eight boxes a ray meets, and where it enters them.
