@@ -27,8 +27,8 @@ pub struct Common<L: Lanes> {
     pub t_min: L,
     /// t'.
     pub t_max: L,
-    /// One unit of the caller's t in t': a power of two.
-    pub per_t: L,
+    /// One unit of t' in the caller's t: a power of two.
+    pub unit: L,
     /// The lanes whose rays are valid, near and of common size; the others hold nothing of use.
     pub is_common: L::Mask,
 }
@@ -51,12 +51,14 @@ impl<L: Lanes> Common<L> {
         let is_common = is_finite & is_near & in_range(largest, (1.0 / (1u64 << COMMON_EXPONENT) as f32, most));
         let exponent = largest.bits() >> L::Bits::splat(EXPONENT_SHIFT);
         let shrink = power::<L>(L::Bits::splat(2 * BIAS as u32).minus(exponent));
-        let per_t = power::<L>(exponent.minus(L::Bits::splat(frame.scale_exponent as u32)));
+        let per_t = exponent.minus(L::Bits::splat(frame.scale_exponent as u32));
+        let unit = power::<L>(L::Bits::splat(2 * BIAS as u32).minus(per_t));
+        let per_t = power::<L>(per_t);
         Self {
             direction: per_axis!(k => (direction[k] * shrink).flush(SMALLEST_DIRECTION)),
             t_min: t_min * per_t,
             t_max: t_max * per_t,
-            per_t,
+            unit,
             is_common,
         }
     }
@@ -78,14 +80,6 @@ fn in_range<L: Lanes>(x: L, (low, high): (f32, f32)) -> L::Mask {
 #[inline(always)]
 fn power<L: Lanes>(biased: L::Bits) -> L {
     L::from_bits(biased << L::Bits::splat(EXPONENT_SHIFT))
-}
-
-impl Clock {
-    /// Of a ray that was not moved, given what a unit of the caller's t is in t': a power of two.
-    #[inline(always)]
-    pub fn unmoved(per_t: f32) -> Self {
-        Self { entry: 0.0, unit: power_of_two(BIAS - (per_t.to_bits() >> EXPONENT_SHIFT) as i32) }
-    }
 }
 
 impl Frame {
@@ -113,8 +107,9 @@ impl Frame {
     fn common(&self, ray: &Ray) -> Option<CanonicalRay> {
         let origin = self.to_lattice(ray.origin);
         let common = Common::<f32>::new(self, ray.origin, origin, ray.direction, ray.t_min, ray.t_max);
-        let Common { direction, t_min, t_max, per_t, is_common } = common;
-        is_common.then(|| CanonicalRay { origin, t_min, direction, t_max, clock: Clock::unmoved(per_t) })
+        let Common { direction, t_min, t_max, unit, is_common } = common;
+        let clock = Clock { entry: 0.0, unit: f64::from(unit) };
+        is_common.then_some(CanonicalRay { origin, t_min, direction, t_max, clock })
     }
 
     /// Any ray, by f64.

@@ -65,6 +65,8 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     fn from_integers(integers: Self::Bits) -> Self;
     /// 1 where the mask is true, else 0.
     fn indicator(mask: Self::Mask) -> Self::Bits;
+    /// `a < b`.
+    fn below(a: Self::Bits, b: Self::Bits) -> Self::Mask;
 
     /// `self * factor + addend`, rounded once or twice as is faster: for conservative tests alone.
     #[inline(always)]
@@ -176,5 +178,9 @@ impl Lanes for f32 {
     #[inline(always)]
     fn indicator(mask: bool) -> u32 {
         u32::from(mask)
+    }
+    #[inline(always)]
+    fn below(a: u32, b: u32) -> bool {
+        a < b
     }
 }

@@ -1,42 +1,60 @@
 //! The hit that counts among all that a tracer finds, in whatever order.
 
+use crate::lanes::{Bits, Lanes};
 use crate::ray::{CanonicalRay, Clock, Hit};
 
-/// The nearest hit so far: smallest t', then smallest primitive; or the ray's own limit.
+/// The nearest hit so far: smallest t', then smallest primitive; or the ray's own limit. One ray a lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Nearest {
+pub struct Nearest<L: Lanes = f32> {
     /// Hits count for t' strictly above it.
-    pub t_min: f32,
+    pub t_min: L,
     /// t' of the hit, or of the ray's end.
-    pub t: f32,
+    pub t: L,
     /// Weight of vertex 1.
-    pub u: f32,
+    pub u: L,
     /// Weight of vertex 2.
-    pub v: f32,
+    pub v: L,
     /// The triangle, or `u32::MAX`.
-    pub primitive: u32,
+    pub primitive: L::Bits,
+}
+
+impl<L: Lanes> Nearest<L> {
+    /// Nothing yet.
+    #[inline(always)]
+    pub fn between(t_min: L, t_max: L) -> Self {
+        let zero = L::splat(0.0);
+        Self { t_min, t: t_max, u: zero, v: zero, primitive: L::Bits::splat(u32::MAX) }
+    }
+
+    /// Whether anything was hit.
+    #[inline(always)]
+    pub fn is_hit(&self) -> L::Mask {
+        L::below(self.primitive, L::Bits::splat(u32::MAX))
+    }
+
+    /// Takes hits that are accepted and nearer. At the ray's own limit none is.
+    #[inline(always)]
+    pub fn offer(&mut self, accepted: L::Mask, t: L, u: L, v: L, primitive: L::Bits) {
+        let is_tie_won = t.equal(self.t) & L::below(primitive, self.primitive) & self.is_hit();
+        let is_nearer = accepted & self.t_min.less(t) & (t.less(self.t) | is_tie_won);
+        self.t = t.or_else(is_nearer, self.t);
+        self.u = u.or_else(is_nearer, self.u);
+        self.v = v.or_else(is_nearer, self.v);
+        self.primitive = L::from_bits(primitive).or_else(is_nearer, L::from_bits(self.primitive)).bits();
+    }
+
+    /// Leaves nothing nearer than a hit, whatever it is: its ray asks for no more.
+    #[inline(always)]
+    pub fn rest(&mut self) {
+        self.t = L::splat(f32::NEG_INFINITY).or_else(self.is_hit(), self.t);
+    }
 }
 
 impl Nearest {
     /// Nothing yet.
     #[inline(always)]
     pub fn new(ray: &CanonicalRay) -> Self {
-        Self { t_min: ray.t_min, t: ray.t_max, u: 0.0, v: 0.0, primitive: u32::MAX }
-    }
-
-    /// Whether anything was hit.
-    #[inline(always)]
-    pub fn is_hit(&self) -> bool {
-        self.primitive != u32::MAX
-    }
-
-    /// Takes a hit that is nearer. At the ray's own limit none is.
-    #[inline(always)]
-    pub fn offer(&mut self, t: f32, u: f32, v: f32, primitive: u32) {
-        let is_tie_won = t == self.t && primitive < self.primitive && self.is_hit();
-        if t > self.t_min && (t < self.t || is_tie_won) {
-            *self = Self { t, u, v, primitive, ..*self };
-        }
+        Self::between(ray.t_min, ray.t_max)
     }
 
     /// The hit in the caller's units, or [`Hit::MISS`].

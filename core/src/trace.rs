@@ -249,7 +249,7 @@ impl Search<'_> {
         let Candidate { t, u, v } = found;
         let nearest = &mut self.nearest;
         if !P::ORDERS_BY_REPORTED {
-            return nearest.offer(t, u, v, primitive);
+            return nearest.offer(true, t, u, v, primitive);
         }
         let (new, old) = (self.ray.clock.reported(t), self.ray.clock.reported(nearest.t));
         let is_nearer = !nearest.is_hit() || new < old || (new == old && primitive < nearest.primitive);

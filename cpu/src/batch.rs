@@ -7,13 +7,13 @@ use leafwalk_core::{Frame, Ray};
 
 use crate::flights::fly;
 use crate::hierarchy::{Hierarchy, Source};
-use crate::lanes::{Eight, Kernel, eight_times};
+use crate::lanes::{Eight, Kernel};
 use crate::prepare::{PACKETS, Prepared};
 use crate::question::Question;
 use crate::sequence::sequence;
 use crate::stack::Stack;
 use crate::stream::Stream;
-use crate::tile::{RAYS, Tile};
+use crate::tile::{RAYS, Tile, Tiling};
 
 /// Rays that are worth a tile; it is filled up with copies.
 const LEAST_RUN: usize = 32;
@@ -25,7 +25,7 @@ const LEAST_SHARE: f32 = 3.0;
 /// A batch of rays to answer.
 pub(crate) struct Batch<'a, B, Q: Question> {
     pub(crate) hierarchy: &'a Hierarchy<'a, B>,
-    pub(crate) beam_margin: f32,
+    pub(crate) tiling: Tiling,
     pub(crate) way: Way,
     pub(crate) scratch: &'a mut Scratch,
     pub(crate) rays: &'a [Ray],
@@ -37,22 +37,23 @@ impl<B: Source, Q: Question> Kernel for Batch<'_, B, Q> {
 
     #[inline(always)]
     fn run<L: Eight>(self) {
-        let Self { hierarchy, beam_margin, way, scratch, rays, answers } = self;
+        let Self { hierarchy, tiling, way, scratch, rays, answers } = self;
         answers.fill(Q::MISS);
         if hierarchy.branches.is_empty() {
             return;
         }
         let mut stack = Stack::new();
+        let mut packets = [const { Prepared::none() }; PACKETS];
         // Rays from here on wait until it is known how many are to be traced alone.
         let (mut from, mut at) = (0, 0);
         let mut patience = Patience { failures: 0, skipped: 0 };
         while from < rays.len() {
-            let run = next_run(rays, at);
+            let run = next_run::<L>(rays, at);
             at = run.end;
             let mut is_traced = false;
             if !run.is_empty() && patience.tries() {
-                let prepared = prepare::<L>(&hierarchy.frame, &rays[run.clone()]);
-                if let Some(mut tile) = Tile::<L>::new(&prepared, beam_margin) {
+                prepare::<L>(&mut packets, &hierarchy.frame, &rays[run.clone()]);
+                if let Some(mut tile) = Tile::<L>::new(&packets, tiling) {
                     is_traced = if Q::ANY {
                         tile.trace::<B, true>(hierarchy, &mut stack)
                     } else {
@@ -60,9 +61,7 @@ impl<B: Source, Q: Question> Kernel for Batch<'_, B, Q> {
                     };
                     patience.learns(is_traced);
                     if is_traced {
-                        for (ray, answer) in answers[run.clone()].iter_mut().enumerate() {
-                            *answer = tile.answer::<Q>(ray);
-                        }
+                        tile.answer::<Q>(&mut answers[run.clone()]);
                     }
                 }
             }
@@ -151,12 +150,12 @@ impl Patience {
 
 /// The next rays, a tile at the most, that are worth one as far as their octants tell; where there are none, the end.
 #[inline(always)]
-fn next_run(rays: &[Ray], mut at: usize) -> Range<usize> {
+fn next_run<L: Eight>(rays: &[Ray], mut at: usize) -> Range<usize> {
     while at + LEAST_RUN <= rays.len() {
         // Every run that starts between here and there goes on from there to its last ray at least.
         let there = at + LEAST_RUN - 1;
-        let octant = octant(&rays[there]);
-        let is_like = |ray: &&Ray| self::octant(ray) == octant;
+        let octant = octant::<L>(&rays[there]);
+        let is_like = |ray: &&Ray| self::octant::<L>(ray) == octant;
         let start = there - rays[at..there].iter().rev().take_while(is_like).count();
         let end =
             start + rays[start..].iter().take(RAYS).skip(there - start).take_while(is_like).count() + there - start;
@@ -170,15 +169,23 @@ fn next_run(rays: &[Ray], mut at: usize) -> Range<usize> {
 
 /// The signs of a direction.
 #[inline(always)]
-fn octant(ray: &Ray) -> u32 {
-    let [x, y, z] = ray.direction;
-    x.to_bits() >> 31 | y.to_bits() >> 31 << 1 | z.to_bits() >> 31 << 2
+fn octant<L: Eight>(ray: &Ray) -> u32 {
+    // After the origin and t_min.
+    L::load(bytemuck::cast_ref(ray)).signs() >> 4 & 7
 }
 
-/// The rays of a tile, the last of them repeated until it is full.
+/// Makes the rays of a tile ready, the last of them repeated until it is full.
 #[inline(always)]
-fn prepare<L: Eight>(frame: &Frame, rays: &[Ray]) -> [Prepared; PACKETS] {
-    let mut full = [rays[rays.len() - 1]; RAYS];
-    full[..rays.len()].copy_from_slice(rays);
-    eight_times!(packet => Prepared::of::<L>(frame, &full[8 * packet..8 * packet + 8]))
+fn prepare<L: Eight>(packets: &mut [Prepared; PACKETS], frame: &Frame, rays: &[Ray]) {
+    let mut filled;
+    for (packet, prepared) in packets.iter_mut().enumerate() {
+        let begin = rays.len().min(8 * packet);
+        let mut eight = &rays[begin..rays.len().min(begin + 8)];
+        if eight.len() < 8 {
+            filled = [rays[rays.len() - 1]; 8];
+            filled[..eight.len()].copy_from_slice(eight);
+            eight = &filled;
+        }
+        *prepared = Prepared::of::<L>(frame, eight);
+    }
 }

@@ -30,12 +30,12 @@ pub(crate) struct Range<L> {
 
 impl<L: Lanes> Range<L> {
     #[inline(always)]
-    fn of(x: L) -> Self {
+    pub(crate) fn of(x: L) -> Self {
         Self { least: x, greatest: x }
     }
 
     #[inline(always)]
-    fn and(self, other: L) -> Self {
+    pub(crate) fn and(self, other: L) -> Self {
         Self { least: self.least.min(other), greatest: self.greatest.max(other) }
     }
 }

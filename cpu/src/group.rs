@@ -70,7 +70,7 @@ impl Group {
         let inverse: [L; 3] = per_axis!(k => L::load(&rays.inverse[k]));
         let [near, far] = rays.facing::<L>();
         let zero = L::splat(0.0);
-        let (index, axis) = (eight_times!(lane => first + lane), rays.main_axis.map(u32::from));
+        let index = eight_times!(lane => first + lane);
         let [x, y, z] = inverse;
         let head = L::transpose([x, y, z, near[0], near[1], near[2], far[0], far[1]]);
         let tail = L::transpose([
@@ -81,7 +81,7 @@ impl Group {
             zero,
             L::load(bytemuck::cast_ref(&[NONE; 8])),
             L::load(bytemuck::cast_ref(&index)),
-            L::load(bytemuck::cast_ref(&axis)),
+            L::load(bytemuck::cast_ref(&rays.main_axis)),
         ]);
         let [a, b, c, d, e, f]: [L; 6] = [
             L::load(&rays.origin[0]),
@@ -100,7 +100,7 @@ impl Group {
                 let at = group.len % GROUP;
                 group.probes[at] = bytemuck::cast(probes[lane]);
                 group.shears[at] = shears[lane];
-                group.clocks[at] = rays.clocks[lane];
+                group.clocks[at] = rays.clocks.get(lane);
                 group.len = at + 1;
             }
         }
@@ -125,8 +125,12 @@ impl Group {
             let mut shift = 0;
             for ray in &rays[..left.min(8)] {
                 let probe = &self.probes[*ray as usize % GROUP];
-                let slabs = [probe.inverse, probe.near, probe.far];
-                *met |= u64::from(boxes.met(&slabs, probe.t_min, probe.t).to_bits()) << shift;
+                let slabs: [[L; 3]; 3] = [
+                    per_axis!(k => L::splat(probe.inverse[k])),
+                    per_axis!(k => L::splat(probe.near[k])),
+                    per_axis!(k => L::splat(probe.far[k])),
+                ];
+                *met |= u64::from(boxes.met(&slabs, L::splat(probe.t_min), L::splat(probe.t)).to_bits()) << shift;
                 shift += 8;
             }
             union |= *met;

@@ -26,12 +26,22 @@ impl<L: Eight> Facing<L> {
     /// Lanes whose box a ray meets between `first` and `last`: as [`Slabs::clip`] has it, but that near and far sides
     /// are told apart. The ray's slabs are t' of a lattice step, and what near and far sides add to it.
     #[inline(always)]
-    pub(crate) fn met(&self, [inverse, near, far]: &[[f32; 3]; 3], first: f32, last: f32) -> L::Mask {
-        let a: [L; 3] = per_axis!(k => self.near[k].about_mul_add(L::splat(inverse[k]), L::splat(near[k])));
-        let b: [L; 3] = per_axis!(k => self.far[k].about_mul_add(L::splat(inverse[k]), L::splat(far[k])));
-        let first = L::splat(first).max(a[0]).max(a[1].max(a[2]));
-        let last = L::splat(last).min(b[0]).min(b[1].min(b[2]));
-        first.at_most(last)
+    pub(crate) fn met(&self, [inverse, near, far]: &[[L; 3]; 3], first: L, last: L) -> L::Mask {
+        let a: [L; 3] = per_axis!(k => self.near[k].about_mul_add(inverse[k], near[k]));
+        let b: [L; 3] = per_axis!(k => self.far[k].about_mul_add(inverse[k], far[k]));
+        first.max(a[0]).max(a[1].max(a[2])).at_most(last.min(b[0]).min(b[1].min(b[2])))
+    }
+}
+
+impl<L: Eight> Facing<L> {
+    /// The same box in every lane.
+    #[inline(always)]
+    pub(crate) fn splat(branch: &Branch, slot: usize, neg: u32) -> Self {
+        let (near, far) = (branch.facing(neg), branch.facing(!neg));
+        Self {
+            near: per_axis!(k => L::splat(f32::from(near[k][slot]))),
+            far: per_axis!(k => L::splat(f32::from(far[k][slot]))),
+        }
     }
 }
 
@@ -56,11 +66,12 @@ pub(crate) fn test_block<L: Eight>(block: &Block, shear: &Shear<L>, axes: [usize
         return;
     }
     let (accepted, found) = sheared.finish(shear);
-    let mut accepted = (accepted & candidates).to_bits();
+    let is_between = L::splat(nearest.t_min).less(found.t) & found.t.at_most(L::splat(nearest.t));
+    let mut accepted = (accepted & candidates & is_between).to_bits();
     let (t, u, v) = (found.t.to_array(), found.u.to_array(), found.v.to_array());
     while accepted != 0 {
         let lane = accepted.trailing_zeros() as usize;
         accepted &= accepted - 1;
-        nearest.offer(t[lane], u[lane], v[lane], block.primitives[lane]);
+        nearest.offer(true, t[lane], u[lane], v[lane], block.primitives[lane]);
     }
 }

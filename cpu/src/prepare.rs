@@ -2,7 +2,7 @@
 
 use leafwalk_core::boxes::Slabs;
 use leafwalk_core::canonical::Common;
-use leafwalk_core::lanes::{Lanes, Mask as _};
+use leafwalk_core::lanes::{Bits, Lanes, Mask as _};
 use leafwalk_core::layout::{LATTICE, SMALLEST};
 use leafwalk_core::step::inverse;
 use leafwalk_core::triangle::{PERMUTATIONS, Shear, main_axis};
@@ -15,9 +15,10 @@ use crate::ready::Ready;
 pub(crate) const PACKETS: usize = 8;
 
 /// Eight numbers in memory.
-type Row = [f32; 8];
+pub(crate) type Row = [f32; 8];
 
 /// Rays that wait, lane by lane.
+#[derive(Clone)]
 pub(crate) struct Prepared {
     pub(crate) inverse: [Row; 3],
     lower: [Row; 3],
@@ -28,10 +29,10 @@ pub(crate) struct Prepared {
     pub(crate) speed: Row,
     pub(crate) t_min: Row,
     pub(crate) t_max: Row,
-    pub(crate) clocks: [Clock; 8],
+    pub(crate) clocks: Clocks,
     /// Bit k: the lane's direction component k is negative.
     pub(crate) neg: [u32; 8],
-    pub(crate) main_axis: [u8; 8],
+    pub(crate) main_axis: [u32; 8],
     /// Lanes whose rays can hit anything, and still wait.
     pub(crate) waiting: u32,
 }
@@ -40,15 +41,39 @@ pub(crate) struct Prepared {
 struct Canonical<L> {
     origin: [L; 3],
     direction: [L; 3],
-    t_min: Row,
-    t_max: Row,
-    clocks: [Clock; 8],
+    t_min: L,
+    t_max: L,
+    clocks: Clocks,
     valid: u32,
+}
+
+/// Clocks, lane by lane.
+#[derive(Clone, Copy)]
+pub(crate) struct Clocks {
+    entry: [f64; 8],
+    unit: [f64; 8],
+}
+
+impl Clocks {
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> Clock {
+        Clock { entry: self.entry[lane], unit: self.unit[lane] }
+    }
+
+    /// What the lanes' clocks tell of their t'.
+    #[inline(always)]
+    pub(crate) fn reported<L: Eight>(&self, t: L) -> L {
+        let mut row = t.to_array();
+        for (lane, t) in row.iter_mut().enumerate() {
+            *t = self.get(lane).reported(*t);
+        }
+        L::load(&row)
+    }
 }
 
 impl Prepared {
     /// None.
-    pub(crate) fn none() -> Self {
+    pub(crate) const fn none() -> Self {
         let rows = [[0.0; 8]; 3];
         Self {
             inverse: rows,
@@ -59,7 +84,7 @@ impl Prepared {
             speed: [0.0; 8],
             t_min: [0.0; 8],
             t_max: [0.0; 8],
-            clocks: [Clock { entry: 0.0, unit: 1.0 }; 8],
+            clocks: Clocks { entry: [0.0; 8], unit: [1.0; 8] },
             neg: [0; 8],
             main_axis: [0; 8],
             waiting: 0,
@@ -76,14 +101,11 @@ impl Prepared {
         let [is_x, is_y, _] = main_axis(ray.direction);
         let direction = permute(ray.direction, is_x, is_y);
         let shear = Shear::of_permuted(permute(ray.origin, is_x, is_y), direction);
-        let (is_x, is_y) = (is_x.to_bits(), is_y.to_bits());
-        let negative: [u32; 3] = per_axis!(k => ray.direction[k].less(L::splat(0.0)).to_bits());
-        let (mut neg, mut main_axis) = ([0; 8], [0; 8]);
-        for lane in 0..8 {
-            let bit = |mask: u32| mask >> lane & 1;
-            neg[lane] = bit(negative[0]) | bit(negative[1]) << 1 | bit(negative[2]) << 2;
-            main_axis[lane] = (2 - 2 * bit(is_x) - bit(is_y)) as u8;
-        }
+        let one = L::Bits::splat(1);
+        let [x, y, z]: [L::Bits; 3] = per_axis!(k => L::indicator(ray.direction[k].less(L::splat(0.0))));
+        let neg = x | (y | z << one) << one;
+        let (is_x, is_y) = (L::indicator(is_x), L::indicator(is_y));
+        let main_axis = L::Bits::splat(2).minus(is_x << one).minus(is_y);
         Self {
             inverse: rows(slabs.inverse),
             lower: rows(slabs.lower),
@@ -91,11 +113,11 @@ impl Prepared {
             origin: rows(shear.origin),
             slope: rows(shear.slope),
             speed: direction[2].to_array(),
-            t_min: ray.t_min,
-            t_max: ray.t_max,
+            t_min: ray.t_min.to_array(),
+            t_max: ray.t_max.to_array(),
             clocks: ray.clocks,
-            neg,
-            main_axis,
+            neg: integers::<L>(neg),
+            main_axis: integers::<L>(main_axis),
             waiting: ray.valid,
         }
     }
@@ -111,6 +133,23 @@ impl Prepared {
             per_axis!(k => upper[k].or_else(negative[k], lower[k])),
             per_axis!(k => lower[k].or_else(negative[k], upper[k])),
         ]
+    }
+
+    /// t' of a lattice step, and what the near and the far sides of boxes add to it, where all rays are of one octant.
+    #[inline(always)]
+    pub(crate) fn slabs(&self, neg: u32) -> [[Row; 3]; 3] {
+        let sides = [&self.lower, &self.upper];
+        [
+            self.inverse,
+            per_axis!(k => sides[(neg >> k & 1) as usize][k]),
+            per_axis!(k => sides[(!neg >> k & 1) as usize][k]),
+        ]
+    }
+
+    /// Nothing yet, of any ray.
+    #[inline(always)]
+    pub(crate) fn nearest<L: Eight>(&self) -> Nearest<L> {
+        Nearest::between(L::load(&self.t_min), L::load(&self.t_max))
     }
 
     /// The next ray that waits, with its lane.
@@ -129,10 +168,10 @@ impl Prepared {
             },
             shear: Shear { origin: per_axis!(k => self.origin[k][lane]), slope: per_axis!(k => self.slope[k][lane]) },
             order: L::order(self.neg[lane]),
-            axes: PERMUTATIONS[usize::from(self.main_axis[lane]).min(2)],
+            axes: PERMUTATIONS[self.main_axis[lane] as usize % 3],
             neg: self.neg[lane],
-            nearest: Nearest { t_min: self.t_min[lane], t: self.t_max[lane], u: 0.0, v: 0.0, primitive: u32::MAX },
-            clock: self.clocks[lane],
+            nearest: Nearest::between(self.t_min[lane], self.t_max[lane]),
+            clock: self.clocks.get(lane),
         };
         Some((lane, ready))
     }
@@ -152,6 +191,11 @@ fn rows<L: Eight>(lanes: [L; 3]) -> [Row; 3] {
     per_axis!(k => lanes[k].to_array())
 }
 
+#[inline(always)]
+fn integers<L: Eight>(lanes: L::Bits) -> [u32; 8] {
+    bytemuck::cast(L::from_bits(lanes).to_array())
+}
+
 /// What [`Frame::canonical`] gives, in eight lanes where no ray is special, else one by one.
 #[inline(always)]
 fn canonical<L: Eight>(frame: &Frame, rays: &[Ray]) -> Canonical<L> {
@@ -168,18 +212,18 @@ fn canonical<L: Eight>(frame: &Frame, rays: &[Ray]) -> Canonical<L> {
         L::load(&row).flush(SMALLEST)
     });
     let common = Common::new(frame, [x, y, z], origin, [dx, dy, dz], t_min, t_max);
+    let mut unit = [0.0; 8];
+    for (lane, f32) in common.unit.to_array().into_iter().enumerate() {
+        unit[lane] = f64::from(f32);
+    }
     let mut out = Canonical {
         origin,
         direction: common.direction,
-        t_min: common.t_min.to_array(),
-        t_max: common.t_max.to_array(),
-        clocks: [Clock { entry: 0.0, unit: 1.0 }; 8],
+        t_min: common.t_min,
+        t_max: common.t_max,
+        clocks: Clocks { entry: [0.0; 8], unit },
         valid: common.is_common.to_bits(),
     };
-    let per_t = common.per_t.to_array();
-    for lane in 0..8 {
-        out.clocks[lane] = Clock::unmoved(per_t[lane]);
-    }
     let special = !out.valid & ((1 << rays.len().min(8)) - 1);
     if special != 0 {
         one_by_one(frame, rays, special, &mut out);
@@ -191,6 +235,7 @@ fn canonical<L: Eight>(frame: &Frame, rays: &[Ray]) -> Canonical<L> {
 #[inline(never)]
 fn one_by_one<L: Eight>(frame: &Frame, rays: &[Ray], special: u32, out: &mut Canonical<L>) {
     let (mut origin, mut direction) = (rows(out.origin), rows(out.direction));
+    let (mut t_min, mut t_max) = (out.t_min.to_array(), out.t_max.to_array());
     for (lane, ray) in rays.iter().enumerate().filter(|(lane, _)| special >> lane & 1 == 1) {
         let canonical = frame.canonical(ray);
         out.valid |= u32::from(canonical.is_some()) << lane;
@@ -198,9 +243,11 @@ fn one_by_one<L: Eight>(frame: &Frame, rays: &[Ray], special: u32, out: &mut Can
             for k in 0..3 {
                 (origin[k][lane], direction[k][lane]) = (ray.origin[k], ray.direction[k]);
             }
-            (out.t_min[lane], out.t_max[lane], out.clocks[lane]) = (ray.t_min, ray.t_max, ray.clock);
+            (t_min[lane], t_max[lane]) = (ray.t_min, ray.t_max);
+            (out.clocks.entry[lane], out.clocks.unit[lane]) = (ray.clock.entry, ray.clock.unit);
         }
     }
+    (out.t_min, out.t_max) = (L::load(&t_min), L::load(&t_max));
     out.origin = per_axis!(k => L::load(&origin[k]));
     out.direction = per_axis!(k => L::load(&direction[k]));
 }

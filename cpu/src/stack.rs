@@ -16,6 +16,8 @@ pub(crate) const END: u32 = NONE - 1;
 pub(crate) struct Stack {
     children: [u32; ROOM],
     first: [f32; ROOM],
+    /// Which rays of a tile meet it, where it is told.
+    rays: [u64; ROOM],
     len: usize,
 }
 
@@ -24,7 +26,7 @@ impl Stack {
         // The end is entered before everything, so that it is always taken, and no look is needed for how much is left.
         let (mut children, mut first) = ([0; ROOM], [0.0; ROOM]);
         (children[0], first[0]) = (END, f32::NEG_INFINITY);
-        Self { children, first, len: 1 }
+        Self { children, first, rays: [0; ROOM], len: 1 }
     }
 
     /// Leaves nothing but the end.
@@ -42,11 +44,38 @@ impl Stack {
     /// The nearest of the children whose slots are in `met`, a mask that is not 0; the others wait.
     #[inline(always)]
     pub(crate) fn enter<L: Eight>(&mut self, branch: &Branch, neg: u32, first: L, met: u32) -> u32 {
-        let met = in_order::<L>(neg, met);
+        self.enter_in_order(branch, neg, first, in_order::<L>(neg, met))
+    }
+
+    /// [`Stack::enter`], given places in the ray's order instead of slots.
+    #[inline(always)]
+    pub(crate) fn enter_in_order<L: Eight>(&mut self, branch: &Branch, neg: u32, first: L, met: u32) -> u32 {
         let nearest = (met.trailing_zeros() ^ neg) & 7;
         // Also where there are no others: whether there are cannot be predicted.
         self.put(branch, neg, first, met & met.wrapping_sub(1));
         branch.children[nearest as usize]
+    }
+
+    /// Which rays meet all children that wait.
+    #[inline(always)]
+    pub(crate) fn tell_all(&mut self, rays: u64) {
+        self.rays[..self.len].fill(rays);
+    }
+
+    /// Which rays meet the children that are entered next: those of `met`, by their places in the rays' order.
+    #[inline(always)]
+    pub(crate) fn tell(&mut self, met: u32, rays: &[u64; BRANCH_WIDTH]) {
+        let places = &FARTHEST_FIRST[met as usize & 0xff];
+        // All eight: whether there are others than the first cannot be predicted.
+        for (waiting, place) in self.rays[self.len..self.len + BRANCH_WIDTH].iter_mut().zip(places) {
+            *waiting = rays[*place as usize & 7];
+        }
+    }
+
+    /// Which rays meet the child that was popped last.
+    #[inline(always)]
+    pub(crate) fn rays(&self) -> u64 {
+        self.rays[self.len]
     }
 
     /// Adds slots given in the ray's order: all eight lanes are written, those that count first.

@@ -134,7 +134,7 @@ impl Stream {
 
 /// Of eight rays' masks of lanes, eight bits each, the mask of rays that have a lane.
 #[inline(always)]
-fn column(met: u64, lane: u32) -> u32 {
+pub(crate) fn column(met: u64, lane: u32) -> u32 {
     const LOWEST: u64 = 0x0101_0101_0101_0101;
     // Moves bit 8 i to bit 56 + i.
     const GATHER: u64 = 0x0102_0408_1020_4080;

@@ -4,11 +4,11 @@ use leafwalk_core::{Blocks, Frame, Hit, LengthMismatch, Octree, Ray, Tracer, Wal
 use rayon::prelude::*;
 
 use crate::batch::{Batch, Scratch, Way};
-use crate::beam::BEAM_MARGIN;
 use crate::hierarchy::{Hierarchy, Source};
 use crate::lanes::Registers;
 use crate::question::{Closest, Occluded, Question};
 use crate::single;
+use crate::tile::Tiling;
 
 /// Rays a task: enough to hide the cost of handing it out, few enough to share the work evenly.
 const CHUNK: usize = 4096;
@@ -20,7 +20,7 @@ pub struct CpuTracer<W> {
     /// The octree's: to read it for each ray would take longer than the ray's first branch.
     frame: Frame,
     registers: Registers,
-    beam_margin: f32,
+    tiling: Tiling,
     way: Way,
 }
 
@@ -28,7 +28,7 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     /// Takes an octree, owned or borrowed.
     pub fn new(octree: Octree<W>) -> Self {
         let frame = octree.frame();
-        Self { octree, frame, registers: Registers::detect(), beam_margin: BEAM_MARGIN, way: Way::Measured }
+        Self { octree, frame, registers: Registers::detect(), tiling: Tiling::STANDARD, way: Way::Measured }
     }
 
     /// With the registers that the compiler may assume alone, for tests: all give the same bits.
@@ -56,7 +56,14 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     #[doc(hidden)]
     #[must_use]
     pub fn with_beam_margin(self, beam_margin: f32) -> Self {
-        Self { beam_margin, ..self }
+        Self { tiling: Tiling { beam_margin, ..self.tiling }, ..self }
+    }
+
+    /// Whose tiles take a triangle for tested once some of their rays were tested against it: a test has to notice.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn forgetting_rays(self) -> Self {
+        Self { tiling: Tiling { forgets_rays: true, ..self.tiling }, ..self }
     }
 
     /// The octree that is traced.
@@ -101,9 +108,9 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
         answers: &mut [Q::Answer],
     ) -> Result<(), LengthMismatch> {
         let hierarchy = &Hierarchy::new(&self.octree, self.frame, blocks);
-        let Self { beam_margin, way, .. } = *self;
+        let Self { tiling, way, .. } = *self;
         answer(rays, answers, Scratch::new, |scratch, rays, answers| {
-            self.registers.run(Batch::<B, Q> { hierarchy, beam_margin, way, scratch, rays, answers });
+            self.registers.run(Batch::<B, Q> { hierarchy, tiling, way, scratch, rays, answers });
         })
     }
 

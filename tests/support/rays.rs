@@ -108,10 +108,12 @@ pub enum Shared {
     End,
     /// Nothing.
     Nothing,
+    /// All where they go, eight by eight where they start.
+    Eights,
 }
 
 impl Shared {
-    pub const ALL: [Self; 3] = [Self::Origin, Self::End, Self::Nothing];
+    pub const ALL: [Self; 4] = [Self::Origin, Self::End, Self::Nothing, Self::Eights];
 }
 
 /// A ray of a run of much the same direction, aimed where neighbouring triangles meet.
@@ -140,6 +142,11 @@ pub fn coherent(shares: Shared, mesh: &Mesh, centre: [f32; 3], size: f32, random
             let jitter = random.vector();
             let origin = core::array::from_fn(|k| shared[k] + spread * jitter[k]);
             (origin, sub(target, origin), f32::INFINITY)
+        }
+        Shared::Eights => {
+            let (apart, aim) = (random.of_run(8).vector(), mesh.corners(first)[run.below(3)]);
+            let origin = core::array::from_fn(|k| shared[k] + 0.03 * size * apart[k]);
+            (origin, sub(aim, if random.below(4) == 0 { shared } else { origin }), f32::INFINITY)
         }
     };
     if random.below(2) == 0 {

@@ -157,6 +157,12 @@ impl Lanes for Avx2 {
     fn indicator(mask: Avx2Mask) -> Avx2Bits {
         Avx2Bits(unsafe { _mm256_srli_epi32::<31>(_mm256_castps_si256(mask.0)) })
     }
+    #[inline(always)]
+    fn below(a: Avx2Bits, b: Avx2Bits) -> Avx2Mask {
+        // Numbers of 32 bits compare like signed ones whose order starts with the upper half.
+        let upper = Avx2Bits::splat(1 << 31);
+        Avx2Mask(unsafe { _mm256_castsi256_ps(_mm256_cmpgt_epi32((b ^ upper).0, (a ^ upper).0)) })
+    }
     // Both give the second operand where neither is smaller, as the default does.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
@@ -253,5 +259,9 @@ impl Eight for Avx2 {
         let mut values = [0.0; 8];
         unsafe { _mm256_storeu_ps(values.as_mut_ptr(), self.0) };
         values
+    }
+    #[inline(always)]
+    fn signs(self) -> u32 {
+        unsafe { _mm256_movemask_ps(self.0) as u32 }
     }
 }

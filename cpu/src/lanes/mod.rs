@@ -30,6 +30,8 @@ pub(crate) trait Eight: Lanes {
     fn transpose(rows: [Self; 8]) -> [Self; 8];
     /// The numbers, lane by lane.
     fn to_array(self) -> [f32; 8];
+    /// Bit k: the sign of lane k is set.
+    fn signs(self) -> u32;
     /// Asks for the cache lines of an item that is used soon.
     fn prefetch<T>(item: &T);
 }

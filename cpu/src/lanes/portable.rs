@@ -130,6 +130,10 @@ impl Lanes for Portable {
         Self(mask.0).bits() & PortableBits::splat(1)
     }
     #[inline(always)]
+    fn below(a: PortableBits, b: PortableBits) -> PortableMask {
+        PortableMask(bytemuck::cast(a.0.simd_lt(b.0)))
+    }
+    #[inline(always)]
     fn min(self, other: Self) -> Self {
         Self(self.0.fast_min(other.0))
     }
@@ -172,5 +176,9 @@ impl Eight for Portable {
     #[inline(always)]
     fn to_array(self) -> [f32; 8] {
         self.0.to_array()
+    }
+    #[inline(always)]
+    fn signs(self) -> u32 {
+        self.0.to_bitmask()
     }
 }

@@ -132,6 +132,9 @@ impl<A: Arithmetic> Lanes for Number<A> {
     fn indicator(mask: bool) -> u32 {
         u32::from(mask)
     }
+    fn below(a: u32, b: u32) -> bool {
+        a < b
+    }
     fn product_error(self, other: Self, product: Self) -> Self {
         let error = self.value.product_error(other.value, product.value);
         Self::of(if A::KEEPS_ERRORS { error } else { 0.0 })
