@@ -9,10 +9,10 @@ use leafwalk_core::triangle::Shear;
 use crate::hierarchy::{Hierarchy, ROOT, Source};
 use crate::lanes::Eight;
 use crate::node::{meet, test_block};
-use crate::prepare::Waiting;
 use crate::question::Question;
 use crate::ready::Ready;
 use crate::stack::{END, Stack};
+use crate::waiting::Waiting;
 
 /// Rays in flight. 8 and 16 were not faster, 4 were slower (dragon).
 const FLIGHTS: usize = 12;
@@ -34,7 +34,7 @@ pub(crate) fn fly<L: Eight, B: Source, Q: Question>(
     rays: &[Ray],
     answers: &mut [Q::Answer],
 ) {
-    let mut waiting = Waiting::new(&hierarchy.frame, rays);
+    let mut waiting = Waiting::new(hierarchy, rays);
     let mut flights: Vec<Flight<L>> = Vec::with_capacity(FLIGHTS);
     while flights.len() < FLIGHTS
         && let Some((index, ready)) = waiting.take()

@@ -1,6 +1,6 @@
 //! The part of an octree that rays descend.
 
-use leafwalk_core::layout::{Block, Branch, Child};
+use leafwalk_core::layout::{Block, Branch, CORNER, Child, LatticeBox};
 use leafwalk_core::{Frame, Indexed, Octree};
 
 use crate::lanes::Eight;
@@ -52,6 +52,12 @@ impl<'a, B: Source> Hierarchy<'a, B> {
     #[inline]
     pub(crate) fn new<W: AsRef<[u32]>>(octree: &'a Octree<W>, frame: Frame, blocks: B) -> Self {
         Self { frame, branches: octree.branches(), blocks }
+    }
+
+    /// The box around all triangles.
+    #[inline(always)]
+    pub(crate) fn hull(&self) -> LatticeBox {
+        self.branches.first().map_or(CORNER, Branch::hull)
     }
 
     /// A branch by the word of a child. A block's is beyond all branches.

@@ -25,6 +25,7 @@ mod stream;
 mod tile;
 mod tracer;
 mod verify;
+mod waiting;
 
 pub use brute_force::BruteForce;
 #[doc(hidden)]

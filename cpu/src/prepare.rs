@@ -3,7 +3,7 @@
 use leafwalk_core::boxes::Slabs;
 use leafwalk_core::canonical::Common;
 use leafwalk_core::lanes::{Bits, Lanes, Mask as _};
-use leafwalk_core::layout::{LATTICE, SMALLEST};
+use leafwalk_core::layout::{LATTICE, LatticeBox, SMALLEST};
 use leafwalk_core::step::inverse;
 use leafwalk_core::triangle::{PERMUTATIONS, Shear, main_axis};
 use leafwalk_core::{Clock, Frame, Nearest, Ray, per_axis};
@@ -120,6 +120,20 @@ impl Prepared {
             main_axis: integers::<L>(main_axis),
             waiting: ray.valid,
         }
+    }
+
+    /// Lets no ray wait that passes a box by.
+    #[inline(always)]
+    pub(crate) fn drop_beyond<L: Eight>(&mut self, (lower, upper): &LatticeBox) {
+        let slabs = Slabs::<L> {
+            inverse: per_axis!(k => L::load(&self.inverse[k])),
+            lower: per_axis!(k => L::load(&self.lower[k])),
+            upper: per_axis!(k => L::load(&self.upper[k])),
+        };
+        let lower: [L; 3] = per_axis!(k => L::splat(f32::from(lower[k])));
+        let upper: [L; 3] = per_axis!(k => L::splat(f32::from(upper[k])));
+        let (first, last) = slabs.clip(lower, upper, L::load(&self.t_min), L::load(&self.t_max));
+        self.waiting &= first.at_most(last).to_bits();
     }
 
     /// What is added to the near and the far sides of boxes, times the inverse.
@@ -250,36 +264,4 @@ fn one_by_one<L: Eight>(frame: &Frame, rays: &[Ray], special: u32, out: &mut Can
     (out.t_min, out.t_max) = (L::load(&t_min), L::load(&t_max));
     out.origin = per_axis!(k => L::load(&origin[k]));
     out.direction = per_axis!(k => L::load(&direction[k]));
-}
-
-/// Rays that are not traced yet.
-pub(crate) struct Waiting<'a> {
-    frame: &'a Frame,
-    rays: &'a [Ray],
-    /// The first ray that is not prepared.
-    next: usize,
-    prepared: Prepared,
-}
-
-impl<'a> Waiting<'a> {
-    #[inline(always)]
-    pub(crate) fn new(frame: &'a Frame, rays: &'a [Ray]) -> Self {
-        Self { frame, rays, next: 0, prepared: Prepared::none() }
-    }
-
-    /// The next ray that can hit anything, with its place among all.
-    #[inline(always)]
-    pub(crate) fn take<L: Eight>(&mut self) -> Option<(usize, Ready<L>)> {
-        loop {
-            if let Some((lane, ready)) = self.prepared.take() {
-                return Some((self.next - 8 + lane, ready));
-            }
-            if self.next >= self.rays.len() {
-                return None;
-            }
-            let end = self.rays.len().min(self.next + 8);
-            self.prepared = Prepared::of::<L>(self.frame, &self.rays[self.next..end]);
-            self.next += 8;
-        }
-    }
 }

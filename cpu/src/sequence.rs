@@ -5,9 +5,9 @@ use leafwalk_core::Ray;
 use crate::descent::descend;
 use crate::hierarchy::{Hierarchy, Source};
 use crate::lanes::Eight;
-use crate::prepare::Waiting;
 use crate::question::Question;
 use crate::stack::Stack;
+use crate::waiting::Waiting;
 
 /// Answers rays; the answers are those of misses before.
 #[inline(always)]
@@ -17,7 +17,7 @@ pub(crate) fn sequence<L: Eight, B: Source, Q: Question>(
     answers: &mut [Q::Answer],
     stack: &mut Stack,
 ) {
-    let mut waiting = Waiting::new(&hierarchy.frame, rays);
+    let mut waiting = Waiting::new(hierarchy, rays);
     while let Some((index, ready)) = waiting.take::<L>() {
         let nearest = if Q::ANY {
             descend::<L, B, true>(hierarchy, &ready, stack)

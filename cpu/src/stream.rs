@@ -52,11 +52,14 @@ impl Stream {
         answers: &mut [Q::Answer],
     ) -> f32 {
         let (mut branches, mut rays_at_branches) = (0, 0);
+        let hull = hierarchy.hull();
         let mut eights = (0..).step_by(8).zip(rays.chunks(8));
         loop {
             let next = eights.next();
             if let Some((first, eight)) = next {
-                Group::admit::<L>(&mut self.groups, &Prepared::of::<L>(&hierarchy.frame, eight), first);
+                let mut rays = Prepared::of::<L>(&hierarchy.frame, eight);
+                rays.drop_beyond::<L>(&hull);
+                Group::admit::<L>(&mut self.groups, &rays, first);
             }
             for octant in 0..8 {
                 let group = &self.groups[octant];
