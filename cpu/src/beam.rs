@@ -19,7 +19,7 @@ pub(crate) const BEAM_MARGIN: f32 = 64.0 * ROUNDOFF;
 /// Sum of a beam's widths at both ends above which its rays share too little (root edges).
 const WIDEST: f32 = 0.2;
 /// Edge of the root in lattice steps.
-const STEPS: f32 = LATTICE as f32;
+pub(crate) const STEPS: f32 = LATTICE as f32;
 
 /// The least and the greatest of some numbers.
 #[derive(Clone, Copy, Debug)]

@@ -1,13 +1,10 @@
 //! Where a tile's rays come from: how far along their main axis they look, and when the first of them enters a box.
 
-use leafwalk_core::layout::{BOX_MARGIN, Branch, LATTICE};
+use leafwalk_core::layout::{BOX_MARGIN, Branch};
 
-use crate::beam::Range;
+use crate::beam::{Range, STEPS};
 use crate::lanes::{Eight, eight_times};
 use crate::prepare::{PACKETS, Prepared};
-
-/// Edge of the root in lattice steps.
-const STEPS: f32 = LATTICE as f32;
 
 /// Where along axis 2 rays may hit anything: inside the root, between their ends. Never empty.
 #[inline(always)]

@@ -5,7 +5,7 @@ use leafwalk_core::lanes::Mask as _;
 
 use crate::beam::Range;
 use crate::lanes::{Eight, eight_times};
-use crate::prepare::{PACKETS, Prepared};
+use crate::prepare::{PACKETS, Prepared, integers};
 
 /// A number of each ray.
 type Rows<T> = [[T; 8]; PACKETS];
@@ -48,7 +48,7 @@ impl Found {
         self.t[packet] = nearest.t.to_array();
         self.u[packet] = nearest.u.to_array();
         self.v[packet] = nearest.v.to_array();
-        self.primitive[packet] = bytemuck::cast(L::from_bits(nearest.primitive).to_array());
+        self.primitive[packet] = integers::<L>(nearest.primitive);
     }
 
     #[inline(always)]

@@ -18,7 +18,6 @@ pub(crate) const PACKETS: usize = 8;
 pub(crate) type Row = [f32; 8];
 
 /// Rays that wait, lane by lane.
-#[derive(Clone)]
 pub(crate) struct Prepared {
     pub(crate) inverse: [Row; 3],
     lower: [Row; 3],
@@ -206,7 +205,7 @@ fn rows<L: Eight>(lanes: [L; 3]) -> [Row; 3] {
 }
 
 #[inline(always)]
-fn integers<L: Eight>(lanes: L::Bits) -> [u32; 8] {
+pub(crate) fn integers<L: Eight>(lanes: L::Bits) -> [u32; 8] {
     bytemuck::cast(L::from_bits(lanes).to_array())
 }
 
@@ -227,8 +226,8 @@ fn canonical<L: Eight>(frame: &Frame, rays: &[Ray]) -> Canonical<L> {
     });
     let common = Common::new(frame, [x, y, z], origin, [dx, dy, dz], t_min, t_max);
     let mut unit = [0.0; 8];
-    for (lane, f32) in common.unit.to_array().into_iter().enumerate() {
-        unit[lane] = f64::from(f32);
+    for (lane, of_ray) in common.unit.to_array().into_iter().enumerate() {
+        unit[lane] = f64::from(of_ray);
     }
     let mut out = Canonical {
         origin,
