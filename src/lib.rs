@@ -37,6 +37,8 @@ pub use leafwalk_core::{
 pub use leafwalk_cpu::{
     BruteForce, BuildError, Builder, CpuTracer, Mesh, Progress, Verified, VerifyError, verify, verify_against,
 };
+#[cfg(feature = "gpu")]
+pub use leafwalk_gpu as gpu;
 #[doc(hidden)]
 pub use octree_file::write_octree;
 pub use octree_file::{FileError, load, save};

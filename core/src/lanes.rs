@@ -2,6 +2,9 @@
 
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Shl, Shr, Sub};
 
+/// The bits of a number's sign, exponent and upper half: of such halves products are exact.
+pub const HEAD: u32 = 0xffff_f000;
+
 /// One truth value a lane.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// Whether any lane is true.
@@ -91,7 +94,7 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     /// Halves of 12 bits have exact products. A fused multiply-add gives the same bits and may stand in.
     #[inline(always)]
     fn product_error(self, other: Self, product: Self) -> Self {
-        let head = Self::Bits::splat(0xffff_f000);
+        let head = Self::Bits::splat(HEAD);
         let (a1, b1) = (Self::from_bits(self.bits() & head), Self::from_bits(other.bits() & head));
         let (a2, b2) = (self - a1, other - b1);
         a2 * b2 - (((product - a1 * b1) - a2 * b1) - a1 * b2)

@@ -81,11 +81,16 @@ pub const LINK_FINER: u32 = 3;
 
 /// `tCount` of a leaf whose payloads are chained.
 pub const CHAINED: u32 = 0xff;
-const LEVEL_SHIFT: u32 = 8;
-const LEVEL_MASK: u32 = 0x1f;
+/// Bits of `tCount` in word 0 of a record.
+pub const T_COUNT_MASK: u32 = 0xff;
+/// Where the level starts in word 0 of a record.
+pub const LEVEL_SHIFT: u32 = 8;
+/// Bits of the level, once shifted.
+pub const LEVEL_MASK: u32 = 0x1f;
 /// Where the six 2-bit link kinds start in word 0 of a record, face 0 lowest.
 pub const LINK_SHIFT: u32 = 13;
-const INNER: u32 = 1 << 25;
+/// The bit of word 0 that tells an inner node.
+pub const INNER: u32 = 1 << 25;
 const USED_BITS: u32 = (1 << 26) - 1;
 
 /// Word 0 of a record: `tCount` (8 bits) · level (5) · `nCount` (6 x 2) · inner flag (1).
@@ -113,7 +118,7 @@ impl RecordHead {
     /// Blocks listed: 0 to 8, or [`CHAINED`].
     #[inline]
     pub fn t_count(self) -> u32 {
-        self.0 & 0xff
+        self.0 & T_COUNT_MASK
     }
 
     /// 0 for the root, up to [`MAX_LEVEL`].
@@ -130,7 +135,7 @@ impl RecordHead {
 
     /// Whether bits that mean nothing are zero, as they must be.
     pub(crate) fn is_canonical(self) -> bool {
-        let leaf_only = 0xff | 0xfff << LINK_SHIFT;
+        let leaf_only = T_COUNT_MASK | 0xfff << LINK_SHIFT;
         self.0 & !USED_BITS == 0 && (!self.is_inner() || self.0 & leaf_only == 0)
     }
 }

@@ -11,9 +11,9 @@ use crate::ray::CanonicalRay;
 use crate::tables::{self, EXIT_AXIS};
 
 /// Stands for 1 / 0, in lattice steps: any coordinate difference above 2^-40 becomes a distance beyond the root.
-const STEEP: f32 = (1u64 << 44) as f32;
+pub const STEEP: f32 = (1u64 << 44) as f32;
 /// Where the exit planes of an axis without direction are seen from, in lattice steps: farther than any other exit.
-const FAR_BEHIND: f32 = -((1u64 << 56) as f32);
+pub const FAR_BEHIND: f32 = -((1u64 << 56) as f32);
 
 /// What a step needs to know of a ray. All lengths are in lattice steps: a power of two away from lattice units, so
 /// every sum, product and comparison has the same bits, and cell corners serve as they are.

@@ -11,7 +11,7 @@ use crate::ray::CanonicalRay;
 /// How far below 0 a difference of products may lie whose exact value, with small coordinates taken for 0, is not
 /// negative. Sheared coordinates are at most 4 (2 from the origin, and as much again by the shear), so that a product with
 /// one below [`SMALLEST_SHEARED`] is below 2^-36, and of two such products the difference below 2^-35.
-const CANDIDATE_SLACK: f32 = 8.0 * SMALLEST_SHEARED;
+pub const CANDIDATE_SLACK: f32 = 8.0 * SMALLEST_SHEARED;
 
 /// The ray's part of the test: everything that does not depend on the triangle.
 #[derive(Clone, Copy, Debug)]

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use leafwalk::mesh_file::MeshError;
 use leafwalk::{BuildError, FileError, LengthMismatch, VerifyError};
 
+use super::backend::BackendError;
 use super::rays::RaysError;
 use crate::camera::{CameraError, Size};
 use crate::picture::PictureError;
@@ -26,7 +27,9 @@ pub(crate) enum CommandError {
         path: PathBuf,
         source: RaysError,
     },
-    Trace(LengthMismatch),
+    Trace(BackendError),
+    /// Arguments that do not go together, or that this build cannot follow.
+    Usage(&'static str),
     Camera(CameraError),
     /// A picture too large for this machine.
     Picture {
@@ -49,15 +52,18 @@ pub(crate) enum CommandError {
 }
 
 impl CommandError {
-    /// As the shell sees it: 130 after Ctrl-C, 1 otherwise. Usage errors (2) are clap's.
+    /// As the shell sees it: 130 after Ctrl-C, 1 otherwise. Most usage errors (2) are clap's.
     pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
             Self::Cancelled => ExitCode::from(CANCELLED),
+            Self::Usage(_) => ExitCode::from(USAGE),
             _ => ExitCode::FAILURE,
         }
     }
 }
 
+/// As clap has it.
+const USAGE: u8 = 2;
 /// 128 and the number of SIGINT.
 pub(crate) const CANCELLED: u8 = 130;
 
@@ -70,6 +76,7 @@ impl fmt::Display for CommandError {
             Self::Verify { path, source } => write!(f, "{}: {source}", path.display()),
             Self::Rays { path, source } => write!(f, "{}: {source}", path.display()),
             Self::Trace(source) => source.fmt(f),
+            Self::Usage(text) => f.write_str(text),
             Self::Camera(source) => source.fmt(f),
             Self::Picture { size: Size { width, height } } => {
                 write!(f, "no memory for {width} x {height} pixels: choose a smaller size")
@@ -109,9 +116,15 @@ impl From<FileError> for CommandError {
     }
 }
 
+impl From<BackendError> for CommandError {
+    fn from(source: BackendError) -> Self {
+        Self::Trace(source)
+    }
+}
+
 impl From<LengthMismatch> for CommandError {
     fn from(source: LengthMismatch) -> Self {
-        Self::Trace(source)
+        Self::Trace(BackendError::Lengths(source))
     }
 }
 
@@ -121,8 +134,11 @@ impl From<CameraError> for CommandError {
     }
 }
 
-impl From<PictureError<LengthMismatch>> for CommandError {
-    fn from(source: PictureError<LengthMismatch>) -> Self {
+impl<E> From<PictureError<E>> for CommandError
+where
+    Self: From<E>,
+{
+    fn from(source: PictureError<E>) -> Self {
         match source {
             PictureError::Tracer(source) => source.into(),
             PictureError::OutOfMemory { size } => Self::Picture { size },

@@ -1,9 +1,11 @@
 //! The command: its arguments, and who does the work.
 
+mod backend;
 mod build;
 mod context;
 mod demo;
 mod error;
+mod gpu;
 mod hits;
 mod info;
 mod input;
@@ -62,6 +64,7 @@ enum Command {
     Info(info::InfoArgs),
     Verify(verify::VerifyArgs),
     Trace(trace::TraceArgs),
+    Gpu(gpu::GpuArgs),
 }
 
 /// Runs the command that the arguments name.
@@ -89,5 +92,6 @@ fn run(cli: &Cli) -> Result<(), CommandError> {
         Some(Command::Info(args)) => info::run(args, &context),
         Some(Command::Verify(args)) => verify::run(args, &context),
         Some(Command::Trace(args)) => trace::run(args, &context),
+        Some(Command::Gpu(args)) => gpu::run(args, &context),
     }
 }

@@ -5,8 +5,9 @@ use core::time::Duration;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use leafwalk::{Builder, CpuTracer, LengthMismatch};
+use leafwalk::Builder;
 
+use super::backend::{Backend, BackendArgs, BackendError};
 use super::context::Context;
 use super::error::CommandError;
 use super::input::{self, Input};
@@ -58,6 +59,9 @@ pub(crate) struct RenderArgs {
     /// What the colours show.
     #[arg(long, value_enum, default_value_t = Shade::Lit)]
     shade: Shade,
+
+    #[command(flatten)]
+    backend: BackendArgs,
 }
 
 const EXAMPLES: &str = "\
@@ -113,7 +117,7 @@ pub(crate) fn run(args: &RenderArgs, context: &Context) -> Result<(), CommandErr
     let materials = materials.map(|from| Material { diffuse: from.diffuse, emission: from.emission });
     let surfaces = Surfaces::new(&octree, materials.collect());
 
-    let tracer = CpuTracer::new(octree);
+    let tracer = args.backend.open(octree)?;
     let mut meter = Meter::new(&tracer);
     let (image, scale) = args.draw(&mut meter, &surfaces, &camera, context)?;
     save(&image, &args.output, context)?;
@@ -129,6 +133,7 @@ pub(crate) fn run(args: &RenderArgs, context: &Context) -> Result<(), CommandErr
         report.add_as("scale_lowest", "scale, lowest", scale.lowest, scale.lowest.to_string());
         report.add_as("scale_highest", "scale, highest", scale.highest, scale.highest.to_string());
     }
+    tracer.describe(&mut report);
     add_picture(&mut report, &args.output);
     context.report(&report)
 }
@@ -147,11 +152,11 @@ impl RenderArgs {
     /// The picture, and the scale of its colours where they have one.
     fn draw(
         &self,
-        meter: &mut Meter<'_, CpuTracer<Vec<u32>>>,
+        meter: &mut Meter<'_, Backend>,
         surfaces: &Surfaces,
         camera: &Camera,
         context: &Context,
-    ) -> Result<(Image, Option<Scale>), PictureError<LengthMismatch>> {
+    ) -> Result<(Image, Option<Scale>), PictureError<BackendError>> {
         let drawing = Drawing { meter, surfaces, camera, progress: &progress(camera.size(), context) };
         match self.shade {
             Shade::Lit => Ok((drawing.lit()?, None)),

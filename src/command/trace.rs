@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use leafwalk::{Builder, CpuTracer, Hit, Ray, Tracer, hit_hash};
+use leafwalk::{Builder, Hit, Ray, Tracer, hit_hash};
 
+use super::backend::BackendArgs;
 use super::context::Context;
 use super::error::CommandError;
 use super::report::Report;
@@ -36,6 +37,9 @@ pub(crate) struct TraceArgs {
     /// The file to write.
     #[arg(long, short, value_name = "HITS", value_parser = TableFile::parser())]
     output: TableFile,
+
+    #[command(flatten)]
+    backend: BackendArgs,
 }
 
 const EXAMPLES: &str = "\
@@ -50,7 +54,8 @@ pub(crate) fn run(args: &TraceArgs, context: &Context) -> Result<(), CommandErro
     context.check_output(&args.output.path, &[&args.input, &args.rays.path])?;
     let rays = rays::read(&args.rays)?;
     let octree = input::open(&args.input, &Builder::new(), context)?.octree;
-    let (answers, time) = trace(&CpuTracer::new(octree), &rays, context)?;
+    let backend = args.backend.open(octree)?;
+    let (answers, time) = trace(&backend, &rays, context)?;
     hits::write(&args.output, &answers, context)?;
 
     let missed = answers.iter().filter(|hit| hit.is_miss()).count();
@@ -62,7 +67,7 @@ pub(crate) fn run(args: &TraceArgs, context: &Context) -> Result<(), CommandErro
     report.add("misses", "misses", missed);
     report.add("invalid", "of which invalid", invalid);
     report.add_as("mrays_per_s", "speed", speed, format!("{speed:.3} Mrays/s"));
-    report.add("backend", "backend", "cpu");
+    backend.describe(&mut report);
     report.add("hit_hash", "hit hash", format!("{:016x}", hit_hash(&answers)));
     context.report(&report)
 }

@@ -1,9 +1,10 @@
 //! Pictures whose colours are data: one primary ray a pixel.
 
-use leafwalk::{Hit, LengthMismatch, Ray, Work};
+use leafwalk::{Hit, Ray, Work};
 use rayon::prelude::*;
 
 use super::drawing::Drawing;
+use super::meter::Worked;
 use super::vector::{Vector, mix};
 use super::{Image, PictureError, batches, primary_ray};
 
@@ -17,9 +18,9 @@ pub(crate) struct Scale {
     pub(crate) highest: f32,
 }
 
-impl<W: AsRef<[u32]> + Sync> Drawing<'_, '_, W> {
+impl<T: Worked> Drawing<'_, '_, T> {
     /// The unit normal, on the side that is seen: x, y and z as red, green and blue, -1 dark and 1 bright.
-    pub(crate) fn normals(self) -> Result<Image, PictureError<LengthMismatch>> {
+    pub(crate) fn normals(self) -> Result<Image, PictureError<T::Error>> {
         let (size, surfaces) = (self.camera.size(), self.surfaces);
         let colour = |ray: &Ray, (hit, _): &Answer| {
             let normal = surfaces.at(hit, ray.direction).map(|surface| surface.normal);
@@ -29,7 +30,7 @@ impl<W: AsRef<[u32]> + Sync> Drawing<'_, '_, W> {
     }
 
     /// A colour of its own for each primitive.
-    pub(crate) fn primitives(self) -> Result<Image, PictureError<LengthMismatch>> {
+    pub(crate) fn primitives(self) -> Result<Image, PictureError<T::Error>> {
         let size = self.camera.size();
         let colour =
             |_: &Ray, (hit, _): &Answer| if hit.is_miss() { BACKGROUND } else { primitive_colour(hit.primitive) };
@@ -37,12 +38,12 @@ impl<W: AsRef<[u32]> + Sync> Drawing<'_, '_, W> {
     }
 
     /// The distance to the hit, near bright and far dark.
-    pub(crate) fn depths(self) -> Result<(Image, Option<Scale>), PictureError<LengthMismatch>> {
+    pub(crate) fn depths(self) -> Result<(Image, Option<Scale>), PictureError<T::Error>> {
         self.scaled(|(hit, _)| hit.t, |depth, scale| [to_byte(1.0 - 0.9 * scale.share(depth)); 3])
     }
 
     /// How many cells a ray visits, from none (black) to the most (light yellow).
-    pub(crate) fn cells(self) -> Result<(Image, Option<Scale>), PictureError<LengthMismatch>> {
+    pub(crate) fn cells(self) -> Result<(Image, Option<Scale>), PictureError<T::Error>> {
         self.scaled(|(_, work)| work.cells as f32, |cells, scale| heat(f64::from(cells / scale.highest)))
     }
 
@@ -51,7 +52,7 @@ impl<W: AsRef<[u32]> + Sync> Drawing<'_, '_, W> {
         self,
         value: impl Fn(&Answer) -> f32 + Sync,
         colour: impl Fn(f32, &Scale) -> [u8; 3] + Sync,
-    ) -> Result<(Image, Option<Scale>), PictureError<LengthMismatch>> {
+    ) -> Result<(Image, Option<Scale>), PictureError<T::Error>> {
         let size = self.camera.size();
         let values = self.each(|_, answer| value(answer))?;
         let finite = values.iter().copied().filter(|value| value.is_finite());
@@ -67,10 +68,7 @@ impl<W: AsRef<[u32]> + Sync> Drawing<'_, '_, W> {
     }
 
     /// A value for each pixel.
-    fn each<V: Send + Sync>(
-        self,
-        value: impl Fn(&Ray, &Answer) -> V + Sync,
-    ) -> Result<Vec<V>, PictureError<LengthMismatch>> {
+    fn each<V: Send + Sync>(self, value: impl Fn(&Ray, &Answer) -> V + Sync) -> Result<Vec<V>, PictureError<T::Error>> {
         let size = self.camera.size();
         let mut values = Vec::new();
         values.try_reserve_exact(size.pixels()).map_err(|_| PictureError::OutOfMemory { size })?;

@@ -1,9 +1,10 @@
 //! A mesh as it would look on a photographer's table: a key light with traced shadows, and fill.
 
-use leafwalk::{LengthMismatch, Ray};
+use leafwalk::Ray;
 use rayon::prelude::*;
 
 use super::drawing::Drawing;
+use super::meter::Worked;
 use super::surface::Surface;
 use super::vector::{Vector, add, dot, mix, mul, scale, tangents, unit};
 use super::{Draws, Image, PictureError, SAMPLES, batches, in_cell, primary_ray, spread, to_display};
@@ -27,9 +28,9 @@ struct Lit {
     shadow: Option<(Ray, f64)>,
 }
 
-impl<W: AsRef<[u32]> + Sync> Drawing<'_, '_, W> {
+impl<T: Worked> Drawing<'_, '_, T> {
     /// The mesh flat-shaded in its materials' colours.
-    pub(crate) fn lit(self) -> Result<Image, PictureError<LengthMismatch>> {
+    pub(crate) fn lit(self) -> Result<Image, PictureError<T::Error>> {
         let size = self.camera.size();
         let mut image = Image::with_capacity(size)?;
         let studio = Studio::new(self.camera);

@@ -55,9 +55,24 @@ impl<T: Tracer> Meter<'_, T> {
     }
 }
 
-impl<W: AsRef<[u32]> + Sync> Meter<'_, CpuTracer<W>> {
+/// A tracer that counts what each ray takes.
+pub(crate) trait Worked: Tracer {
+    /// Closest hits, each with its work.
+    ///
+    /// # Errors
+    /// As [`Tracer::closest_hits`].
+    fn closest_hits_with_work(&self, rays: &[Ray], answers: &mut [(Hit, Work)]) -> Result<(), Self::Error>;
+}
+
+impl<W: AsRef<[u32]> + Sync> Worked for CpuTracer<W> {
+    fn closest_hits_with_work(&self, rays: &[Ray], answers: &mut [(Hit, Work)]) -> Result<(), LengthMismatch> {
+        self.closest_hits_with_work(rays, answers)
+    }
+}
+
+impl<T: Worked> Meter<'_, T> {
     /// Closest hits of primary rays, with the work of each.
-    pub(crate) fn primary_hits(&mut self, rays: &[Ray]) -> Result<Vec<(Hit, Work)>, LengthMismatch> {
+    pub(crate) fn primary_hits(&mut self, rays: &[Ray]) -> Result<Vec<(Hit, Work)>, T::Error> {
         let mut answers = vec![(Hit::MISS, Work::default()); rays.len()];
         self.measure(rays.len(), |tracer| tracer.closest_hits_with_work(rays, &mut answers))?;
         for (hit, work) in &answers {

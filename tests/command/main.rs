@@ -267,6 +267,9 @@ fn wrong_usage_is_told_from_failed_work() {
         "trace sphere.lwk rays.csv",
         "trace sphere.lwk rays.txt -o hits.csv",
         "trace sphere.lwk rays.csv -o hits",
+        "trace sphere.lwk rays.csv -o hits.csv --backend tpu",
+        "trace sphere.lwk rays.csv -o hits.csv --flavour fast",
+        "render sphere.lwk -o a.png --adapter software",
     ] {
         let outcome = shell.run(arguments);
         outcome.assert_code(2);
@@ -276,9 +279,22 @@ fn wrong_usage_is_told_from_failed_work() {
 }
 
 #[test]
+#[cfg(not(feature = "gpu"))]
+fn a_build_without_gpus_says_how_to_get_one_that_has_them() {
+    let shell = with_octree();
+    for arguments in
+        ["gpu", "trace sphere.lwk rays.csv -o hits.csv --backend gpu", "render sphere.lwk -o a.png --backend gpu"]
+    {
+        let outcome = shell.run(arguments);
+        outcome.assert_code(2);
+        assert!(outcome.stderr.contains("--features gpu") && outcome.stdout.is_empty(), "{outcome:?}");
+    }
+}
+
+#[test]
 fn help_shows_examples_of_every_command() {
     let shell = Shell::new();
-    for command in ["", "render", "build", "info", "verify", "trace"] {
+    for command in ["", "render", "build", "info", "verify", "trace", "gpu"] {
         let help = shell.run(&format!("{command} --help"));
         help.assert_code(0);
         assert!(help.stdout.contains(&format!("  leafwalk {command}")), "{help:?}");

@@ -1,0 +1,61 @@
+//! What can only be said with a device. Every test runs on each adapter of this machine, software or not, or on the one
+//! that LEAFWALK_ADAPTER picks. Without any, tests are reported as ignored; with LEAFWALK_REQUIRE_GPU set, they fail.
+
+mod answers;
+mod arithmetic;
+mod batches;
+mod scenes;
+mod splitting;
+mod staying;
+mod support;
+
+use std::process::ExitCode;
+
+use leafwalk_gpu::{Gpu, Pick, adapters};
+use libtest_mimic::{Arguments, Failed, Trial};
+
+/// A test, by its name.
+type Test = (&'static str, fn(&Gpu));
+
+fn main() -> ExitCode {
+    // One after the other: Mesa 22's software adapters compile and close on several threads at their peril.
+    let arguments = Arguments { test_threads: Some(1), ..Arguments::from_args() };
+    let is_required = std::env::var_os("LEAFWALK_REQUIRE_GPU").is_some();
+    let tests: Vec<Test> =
+        [answers::TESTS, arithmetic::TESTS, batches::TESTS, splitting::TESTS, staying::TESTS].concat();
+    let picks = picks();
+    let mut trials = Vec::new();
+    for (name, test) in tests {
+        for pick in &picks {
+            let pick = pick.clone();
+            trials.push(Trial::test(format!("{name}, on {}", name_of(&pick)), move || {
+                let gpu = Gpu::open(&pick).map_err(|error| error.to_string())?;
+                test(&gpu);
+                Ok(())
+            }));
+        }
+        if picks.is_empty() && is_required {
+            trials
+                .push(Trial::test(name, || Err(Failed::from("there is no adapter, and LEAFWALK_REQUIRE_GPU is set"))));
+        } else if picks.is_empty() {
+            let reason = format!("{name}: no adapter (Debian has some in software: apt install mesa-vulkan-drivers)");
+            trials.push(Trial::test(reason, || Ok(())).with_ignored_flag(true));
+        }
+    }
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+fn name_of(pick: &Pick) -> String {
+    match pick {
+        Pick::Name(name) => name.clone(),
+        pick => pick.to_string(),
+    }
+}
+
+/// What to open: every adapter by its full name, or what the environment asks for.
+fn picks() -> Vec<Pick> {
+    if std::env::var_os(Pick::VARIABLE).is_some() {
+        return vec![Pick::from_environment()];
+    }
+    adapters().into_iter().map(|adapter| Pick::Name(adapter.to_string())).collect()
+}

@@ -1,0 +1,56 @@
+//! Octrees larger than a binding, and those that shaders do not read.
+
+use std::sync::OnceLock;
+
+use leafwalk::Builder;
+use leafwalk_gpu::{Flavour, Gpu, GpuError, GpuTracer};
+
+use crate::Test;
+use crate::answers::hits;
+use crate::scenes::{self, Scene, differing};
+use crate::support::meshes;
+
+pub(crate) const TESTS: &[Test] = &[
+    ("an octree in two to six bindings", small),
+    ("an octree larger than 128 MiB", large),
+    ("an octree in more than six bindings is refused", refused),
+    ("a compact octree is refused", compact),
+];
+
+fn small(gpu: &Gpu) {
+    let scene = Scene::new("soup", meshes::soup(1500, 4));
+    let bytes = size_of_val(scene.octree.as_words()) as u64;
+    let rays = scenes::hard(&scene, 5000, 1);
+    let expected = hits(&scene.octree, &rays);
+    // Sections then begin and end anywhere in a binding.
+    for limit in [bytes.next_power_of_two() / 2, bytes.next_power_of_two() / 4] {
+        assert!(limit < bytes);
+        let tracer = GpuTracer::split(gpu, &scene.octree, Flavour::Exact, limit).expect("six are enough");
+        assert_eq!(differing(&hits(&tracer, &rays), &expected), 0, "{bytes} bytes in bindings of {limit}");
+    }
+}
+
+fn large(gpu: &Gpu) {
+    static LARGE: OnceLock<Scene> = OnceLock::new();
+    // Small leaves list triangles often: large, and built in seconds.
+    let builder = Builder::new().step_cost(8.0).reference_budget(40.0);
+    let scene = LARGE.get_or_init(|| Scene::built_by(&builder, "large", meshes::shards(600_000, 0.01..0.05, 10.0, 7)));
+    let bytes = size_of_val(scene.octree.as_words());
+    assert!(bytes > 128 << 20, "only {bytes} bytes");
+    let tracer = gpu.tracer(&scene.octree, Flavour::Exact).expect("six are enough");
+    let mut rays = scenes::hard(scene, 3000, 1);
+    rays.extend(scenes::chords(scene, 3000, 2));
+    assert_eq!(differing(&hits(&tracer, &rays), &hits(&scene.octree, &rays)), 0);
+}
+
+fn refused(gpu: &Gpu) {
+    let scene = Scene::new("soup", meshes::soup(1500, 4));
+    let bytes = size_of_val(scene.octree.as_words()) as u64;
+    let error = GpuTracer::split(gpu, &scene.octree, Flavour::Exact, 1024).map(|_| ());
+    assert_eq!(error, Err(GpuError::StructureTooLarge { bytes, most: 6 * 1024 }));
+}
+
+fn compact(gpu: &Gpu) {
+    let scene = Scene::built_by(&Builder::new().compact(), "compact soup", meshes::soup(300, 1));
+    assert_eq!(gpu.tracer(&scene.octree, Flavour::Exact).map(|_| ()), Err(GpuError::CompactOctree));
+}

@@ -1,0 +1,159 @@
+//! What traces: this machine's cores, or a GPU.
+
+use core::fmt;
+
+use clap::{Args, ValueEnum};
+use leafwalk::{CpuTracer, Hit, LengthMismatch, Octree, Ray, Tracer, Work};
+
+use super::error::CommandError;
+use super::report::Report;
+use crate::picture::meter::Worked;
+
+/// Where and how rays are traced.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Backend")]
+pub(crate) struct BackendArgs {
+    /// What traces; `gpu` takes a build with the feature of that name.
+    #[arg(long, value_name = "cpu|gpu", default_value = "cpu", value_parser = backend)]
+    backend: Kind,
+
+    /// The GPU: the fastest one (auto), a software adapter, or one whose name contains NAME (`leafwalk gpu` lists them).
+    /// By default what the variable LEAFWALK_ADAPTER says, else auto.
+    #[arg(long, value_name = "auto|software|NAME")]
+    adapter: Option<String>,
+
+    /// On a GPU: every bit as on the CPU (exact, unless told otherwise), or a few hits differing.
+    #[arg(long, value_enum)]
+    flavour: Option<Flavour>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Cpu,
+    #[cfg(feature = "gpu")]
+    Gpu,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Flavour {
+    Exact,
+    Fast,
+}
+
+/// How to get what this build lacks.
+#[cfg(not(feature = "gpu"))]
+pub(super) const WITHOUT_GPU: &str =
+    "this build has no GPU backend: build it with `cargo build --release --features gpu`";
+
+fn backend(argument: &str) -> Result<Kind, &'static str> {
+    match argument {
+        "cpu" => Ok(Kind::Cpu),
+        #[cfg(feature = "gpu")]
+        "gpu" => Ok(Kind::Gpu),
+        #[cfg(not(feature = "gpu"))]
+        "gpu" => Err(WITHOUT_GPU),
+        _ => Err("choose cpu or gpu"),
+    }
+}
+
+/// A tracer of either kind, with the octree that it traces.
+pub(crate) enum Backend {
+    Cpu(CpuTracer<Vec<u32>>),
+    #[cfg(feature = "gpu")]
+    Gpu(Box<leafwalk::gpu::GpuTracer>, Octree<Vec<u32>>),
+}
+
+impl BackendArgs {
+    pub(crate) fn open(&self, octree: Octree<Vec<u32>>) -> Result<Backend, CommandError> {
+        match self.backend {
+            Kind::Cpu if self.adapter.is_some() || self.flavour.is_some() => {
+                Err(CommandError::Usage("--adapter and --flavour are for GPUs: add --backend gpu"))
+            }
+            Kind::Cpu => Ok(Backend::Cpu(CpuTracer::new(octree))),
+            #[cfg(feature = "gpu")]
+            Kind::Gpu => {
+                let flavour = match self.flavour {
+                    None | Some(Flavour::Exact) => leafwalk::gpu::Flavour::Exact,
+                    Some(Flavour::Fast) => leafwalk::gpu::Flavour::Fast,
+                };
+                let pick = self.adapter.clone().map_or_else(leafwalk::gpu::Pick::from_environment, Into::into);
+                let tracer = leafwalk::gpu::GpuTracer::new(&octree, pick, flavour);
+                Ok(Backend::Gpu(Box::new(tracer.map_err(BackendError::Gpu)?), octree))
+            }
+        }
+    }
+}
+
+impl Backend {
+    pub(crate) fn octree(&self) -> &Octree<Vec<u32>> {
+        match self {
+            Self::Cpu(tracer) => tracer.octree(),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(_, octree) => octree,
+        }
+    }
+
+    /// Which backend it is and, of a GPU, what it promises.
+    pub(crate) fn describe(&self, report: &mut Report) {
+        match self {
+            Self::Cpu(_) => report.add("backend", "backend", "cpu"),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(tracer, _) => {
+                report.add("backend", "backend", "gpu");
+                report.add("adapter", "adapter", tracer.adapter().to_string());
+                report.add("flavour", "flavour", tracer.flavour().name());
+                report.add("promise", "self-test", tracer.promise().to_string());
+            }
+        }
+    }
+}
+
+/// Why a backend gave no answers.
+#[derive(Debug)]
+pub(crate) enum BackendError {
+    Lengths(LengthMismatch),
+    #[cfg(feature = "gpu")]
+    Gpu(leafwalk::gpu::GpuError),
+}
+
+impl Tracer for Backend {
+    type Error = BackendError;
+
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), BackendError> {
+        match self {
+            Self::Cpu(tracer) => tracer.closest_hits(rays, hits).map_err(BackendError::Lengths),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(tracer, _) => tracer.closest_hits(rays, hits).map_err(BackendError::Gpu),
+        }
+    }
+
+    fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), BackendError> {
+        match self {
+            Self::Cpu(tracer) => tracer.occlusions(rays, occluded).map_err(BackendError::Lengths),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(tracer, _) => tracer.occlusions(rays, occluded).map_err(BackendError::Gpu),
+        }
+    }
+}
+
+impl Worked for Backend {
+    fn closest_hits_with_work(&self, rays: &[Ray], answers: &mut [(Hit, Work)]) -> Result<(), BackendError> {
+        match self {
+            Self::Cpu(tracer) => tracer.closest_hits_with_work(rays, answers).map_err(BackendError::Lengths),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(tracer, _) => tracer.closest_hits_with_work(rays, answers).map_err(BackendError::Gpu),
+        }
+    }
+}
+
+impl fmt::Display for BackendError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Lengths(source) => source.fmt(f),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(source) => source.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for BackendError {}

@@ -1,0 +1,110 @@
+//! The command on a GPU. Without a software adapter the tests are reported as ignored; with LEAFWALK_REQUIRE_GPU set, they
+//! fail.
+
+mod shell;
+mod support;
+
+use std::process::ExitCode;
+
+use leafwalk::gpu::{Kind, adapters};
+use libtest_mimic::{Arguments, Failed, Trial};
+use shell::{Outcome, Shell};
+use support::meshes::{bumpy_sphere, icosphere};
+
+/// What runs, by name.
+const TESTS: [(&str, fn()); 5] = [
+    ("a GPU traces and renders what the CPU does", same_answers),
+    ("adapters are listed with what they promise", listing),
+    ("an adapter that is not there is named with those that are", no_such_adapter),
+    ("the environment picks an adapter", environment),
+    ("a compact octree is refused", compact),
+];
+
+fn main() -> ExitCode {
+    let has_adapter = adapters().iter().any(|adapter| adapter.kind == Kind::Software);
+    let is_required = std::env::var_os("LEAFWALK_REQUIRE_GPU").is_some();
+    let trial = |(name, test): (&'static str, fn())| match (has_adapter, is_required) {
+        (true, _) => Trial::test(name, move || {
+            test();
+            Ok(())
+        }),
+        (false, true) => Trial::test(name, || Err(Failed::from("there is no software adapter"))),
+        (false, false) => Trial::test(format!("{name}: no software adapter"), || Ok(())).with_ignored_flag(true),
+    };
+    libtest_mimic::run(&Arguments::from_args(), TESTS.map(trial).into()).exit_code()
+}
+
+fn same_answers() {
+    let shell = Shell::new();
+    shell.write("sphere.obj", shell::obj(&bumpy_sphere(3, 1)));
+    let rays = (0..2000).map(|i| {
+        let angle = i as f32 * 0.37;
+        format!("{},0.1,0.2,{},{},0.1\n", 3.0 * angle.cos(), -angle.cos(), angle.sin() * 0.2)
+    });
+    shell.write("rays.csv", rays.collect::<String>());
+    shell.run("build sphere.obj -o sphere.lwk").assert_code(0);
+    let cpu = shell.json("trace sphere.lwk rays.csv -o cpu.csv");
+    let gpu = shell.json("trace sphere.lwk rays.csv -o gpu.csv --backend gpu --adapter software");
+    assert_eq!(gpu["hit_hash"], cpu["hit_hash"]);
+    assert!(gpu["hits"].as_u64().is_some_and(|hits| hits > 100), "{gpu}");
+    assert_eq!([&gpu["backend"], &gpu["flavour"], &gpu["promise"]], ["gpu", "exact", "exact"]);
+    assert!(gpu["adapter"].as_str().is_some_and(|name| name.contains(" by ")), "{gpu}");
+    assert!(shell.read("cpu.csv") == shell.read("gpu.csv"), "the hits differ");
+
+    for shade in ["lit", "normal", "depth", "primitive", "cells"] {
+        let render = format!("render sphere.lwk --shade {shade} --size 64x48");
+        shell.run(&format!("{render} -o cpu.png")).assert_code(0);
+        let report = shell.json(&format!("{render} -o gpu.png --backend gpu --adapter software"));
+        assert_eq!(report["backend"], "gpu");
+        assert!(shell.read("cpu.png") == shell.read("gpu.png"), "{shade}: the pictures differ");
+    }
+    let fast = shell.json("trace sphere.lwk rays.csv -o gpu.csv --backend gpu --adapter software --flavour fast");
+    assert_eq!([&fast["flavour"], &fast["hits"]], [&"fast".into(), &cpu["hits"]]);
+}
+
+fn listing() {
+    let listed = Shell::new().json("gpu");
+    let adapters = adapters();
+    assert_eq!(listed["adapters"], adapters.len());
+    for (printed, adapter) in listed["list"].as_array().expect("a list").iter().zip(adapters) {
+        assert_eq!(printed["name"], adapter.to_string());
+        assert_eq!(printed["binding_bytes"], adapter.binding_bytes);
+        assert!(adapter.kind != Kind::Software || printed["exact"] == "exact", "{printed}");
+    }
+}
+
+fn no_such_adapter() {
+    let shell = Shell::new();
+    shell.write("sphere.obj", shell::obj(&icosphere(1)));
+    let there = adapters().first().map(ToString::to_string).expect("an adapter");
+    let outcome = shell.run("render sphere.obj -o a.png --backend gpu --adapter abacus");
+    outcome.assert_code(1);
+    // Drivers may have put lines of their own before it.
+    let last = outcome.stderr.lines().last().unwrap_or_default();
+    assert!(last.starts_with("error: ") && last.contains("'abacus'") && last.contains(&there), "{outcome:?}");
+    assert_eq!(shell.names(), ["sphere.obj"]);
+}
+
+fn environment() {
+    let shell = Shell::new();
+    shell.write("sphere.obj", shell::obj(&icosphere(1)));
+    let render = |adapter: &str| {
+        let mut command = shell.command("render sphere.obj -o a.png --backend gpu");
+        Outcome::of(command.env("LEAFWALK_ADAPTER", adapter).output().expect("the command starts"))
+    };
+    let outcome = render("abacus");
+    outcome.assert_code(1);
+    assert!(outcome.stderr.contains("'abacus'"), "{outcome:?}");
+    render("software").assert_code(0);
+}
+
+fn compact() {
+    let shell = Shell::new();
+    shell.write("sphere.obj", shell::obj(&icosphere(1)));
+    shell.run("build sphere.obj -o small.lwk --compact").assert_code(0);
+    let outcome = shell.run("render small.lwk -o a.png --backend gpu --adapter software");
+    outcome.assert_code(1);
+    let last = outcome.stderr.lines().last().unwrap_or_default();
+    assert!(last.starts_with("error: ") && last.contains("without `compact`"), "{outcome:?}");
+    assert_eq!(shell.names(), ["small.lwk", "sphere.obj"]);
+}
