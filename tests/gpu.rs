@@ -12,10 +12,11 @@ use shell::{Outcome, Shell};
 use support::meshes::{bumpy_sphere, icosphere};
 
 /// What runs, by name.
-const TESTS: [(&str, fn()); 5] = [
+const TESTS: [(&str, fn()); 6] = [
     ("a GPU traces and renders what the CPU does", same_answers),
     ("adapters are listed with what they promise", listing),
     ("an adapter that is not there is named with those that are", no_such_adapter),
+    ("software adapters are taken on request only", software),
     ("the environment picks an adapter", environment),
     ("a compact octree is refused", compact),
 ];
@@ -85,17 +86,29 @@ fn no_such_adapter() {
     assert_eq!(shell.names(), ["sphere.obj"]);
 }
 
-fn environment() {
+/// Renders on the adapter that the environment picks.
+fn render_on(adapter: &str) -> Outcome {
     let shell = Shell::new();
     shell.write("sphere.obj", shell::obj(&icosphere(1)));
-    let render = |adapter: &str| {
-        let mut command = shell.command("render sphere.obj -o a.png --backend gpu");
-        Outcome::of(command.env("LEAFWALK_ADAPTER", adapter).output().expect("the command starts"))
-    };
-    let outcome = render("abacus");
+    let mut command = shell.command("render sphere.obj -o a.png --backend gpu");
+    Outcome::of(command.env("LEAFWALK_ADAPTER", adapter).output().expect("the command starts"))
+}
+
+fn software() {
+    if adapters().iter().any(|adapter| adapter.kind != Kind::Software) {
+        return println!("skipped: this machine has a GPU, which auto takes");
+    }
+    let outcome = render_on("auto");
+    outcome.assert_code(1);
+    let there = adapters().first().map(ToString::to_string).expect("an adapter");
+    assert!(outcome.stderr.contains("no adapter is hardware") && outcome.stderr.contains(&there), "{outcome:?}");
+}
+
+fn environment() {
+    let outcome = render_on("abacus");
     outcome.assert_code(1);
     assert!(outcome.stderr.contains("'abacus'"), "{outcome:?}");
-    render("software").assert_code(0);
+    render_on("software").assert_code(0);
 }
 
 fn compact() {

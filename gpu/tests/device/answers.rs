@@ -1,6 +1,8 @@
 //! P4: the flavour `exact` gives the scalar tracer's bits, and its walks visit as many cells.
 
-use leafwalk::{Hit, Tracer, Work};
+use std::sync::LazyLock;
+
+use leafwalk::{Hit, Ray, Tracer, Work};
 use leafwalk_core::Walk;
 use leafwalk_gpu::{Flavour, Gpu, Promise};
 
@@ -20,35 +22,49 @@ const RAYS: u64 = 20_000;
 /// Share of random rays that may hit another triangle of an ordinary scene: what the flavour is expected to stay under.
 const MOST_OTHERS: f64 = 1e-4;
 
-fn exact(gpu: &Gpu) {
-    let mut rays_in_all = 0;
-    for (scene, seed) in scenes::ALL.iter().zip(100..) {
-        let tracer = gpu.tracer(&scene.octree, Flavour::Exact).expect("room for a small octree");
-        assert_eq!(tracer.promise(), Promise::Exact, "{}", tracer.self_test());
+/// Rays of a scene, and what the scalar tracer does with each.
+struct Expected {
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    work: Vec<Work>,
+}
+
+impl Expected {
+    fn new(scene: &Scene, seed: u64) -> Self {
         let mut rays = scenes::hard(scene, scenes::scaled(RAYS), seed);
         rays.extend(scenes::chords(scene, scenes::scaled(RAYS / 2), seed));
-        rays_in_all += rays.len();
-
         let parts = scene.octree.parts();
         let walked = rays.iter().map(|ray| Walk::new(&parts).closest_hit_with_work(ray));
-        let (expected, work): (Vec<Hit>, Vec<Work>) =
-            walked.map(|(hit, work)| (hit.unwrap_or(Hit::MISS), work)).unzip();
-        let found = hits(&tracer, &rays);
+        let (hits, work) = walked.map(|(hit, work)| (hit.unwrap_or(Hit::MISS), work)).unzip();
+        Self { rays, hits, work }
+    }
+}
+
+fn exact(gpu: &Gpu) {
+    // Walked once for all adapters.
+    static EXPECTED: LazyLock<Vec<Expected>> =
+        LazyLock::new(|| scenes::ALL.iter().zip(100..).map(|(scene, seed)| Expected::new(scene, seed)).collect());
+    let mut rays_in_all = 0;
+    for (scene, Expected { rays, hits: expected, work }) in scenes::ALL.iter().zip(&*EXPECTED) {
+        let tracer = gpu.tracer(&scene.octree, Flavour::Exact).expect("room for a small octree");
+        assert_eq!(tracer.promise(), Promise::Exact, "{}", tracer.self_test());
+        rays_in_all += rays.len();
+        let found = hits(&tracer, rays);
         let share = expected.iter().filter(|hit| !hit.is_miss()).count() as f64 / rays.len() as f64;
         assert!(share > 0.02, "{}: only {share} of the rays hit", scene.name);
         if let Some(at) = (0..rays.len()).find(|at| differing(&found[*at..=*at], &expected[*at..=*at]) > 0) {
-            let count = differing(&found, &expected);
+            let count = differing(&found, expected);
             let (found, expected, ray) = (found[at], expected[at], rays::hex(&rays[at]));
             panic!("{}: {count} hits differ; ray {at}: {found:?}, expected {expected:?}\n{ray}", scene.name);
         }
 
         let mut occluded = vec![false; rays.len()];
-        tracer.occlusions(&rays, &mut occluded).expect("a working device");
-        let wrong = occluded.iter().zip(&expected).filter(|(occluded, hit)| **occluded == hit.is_miss()).count();
+        tracer.occlusions(rays, &mut occluded).expect("a working device");
+        let wrong = occluded.iter().zip(expected).filter(|(occluded, hit)| **occluded == hit.is_miss()).count();
         assert_eq!(wrong, 0, "{}: occlusions differ", scene.name);
 
         let mut answers = vec![(Hit::MISS, Work::default()); rays.len()];
-        tracer.closest_hits_with_work(&rays, &mut answers).expect("a working device");
+        tracer.closest_hits_with_work(rays, &mut answers).expect("a working device");
         for ((ray, (_, work)), expected) in rays.iter().zip(&answers).zip(work) {
             assert_eq!(work.cells, expected.cells, "{}: cells of {}", scene.name, rays::hex(ray));
             // Boxes are tested as the driver likes, with a margin.
@@ -59,7 +75,7 @@ fn exact(gpu: &Gpu) {
             );
         }
         let again: Vec<Hit> = answers.into_iter().map(|(hit, _)| hit).collect();
-        assert_eq!(differing(&again, &expected), 0, "{}: hits with work differ", scene.name);
+        assert_eq!(differing(&again, expected), 0, "{}: hits with work differ", scene.name);
     }
     println!("{}: {rays_in_all} rays, 0 differing bits", gpu.adapter());
 }
@@ -98,7 +114,7 @@ fn unguarded(gpu: &Gpu) {
 }
 
 /// A tracer's closest hits.
-pub(crate) fn hits<T: Tracer>(tracer: &T, rays: &[leafwalk::Ray]) -> Vec<Hit> {
+pub(crate) fn hits<T: Tracer>(tracer: &T, rays: &[Ray]) -> Vec<Hit> {
     let mut hits = vec![Hit::MISS; rays.len()];
     tracer.closest_hits(rays, &mut hits).expect("equal lengths, and a working device");
     hits
