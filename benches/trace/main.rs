@@ -7,6 +7,8 @@
 
 mod bars;
 mod builds;
+#[path = "../quantile.rs"]
+mod quantile;
 mod race;
 mod report;
 #[path = "../rivals/mod.rs"]

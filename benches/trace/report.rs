@@ -1,5 +1,6 @@
 //! What is measured: rows, as a table to read and for CSV.
 
+use crate::quantile::quantile;
 use crate::rivals::ours;
 use crate::table::Table;
 
@@ -113,14 +114,6 @@ impl Row {
             cell(self.bytes_per_triangle()),
         ]
     }
-}
-
-/// Linear between the values beside it.
-fn quantile(mut values: Vec<f64>, at: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let place = at * (values.len() - 1) as f64;
-    let (low, high) = (values[place.floor() as usize], values[place.ceil() as usize]);
-    low + (high - low) * place.fract()
 }
 
 /// All rows of a scene.

@@ -1,6 +1,6 @@
 //! The four kinds of rays that benches measure with: primary, shadow, bounce, random.
 
-use leafwalk::{Aabb, BruteForce, Hit, Octree, Ray, Tracer};
+use leafwalk::{Aabb, BruteForce, CpuTracer, Hit, Octree, Ray, Tracer};
 
 use super::meshes::{cross, dot, sub};
 use super::random::Random;
@@ -20,7 +20,7 @@ pub fn all<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &leafwalk::Mesh, inside: b
     let bounds = octree.bounds();
     let primary = if inside { panorama(&bounds, side) } else { rays::primary(&bounds, side) };
     let mut hits = vec![Hit::MISS; primary.len()];
-    octree.closest_hits(&primary, &mut hits).expect("equal lengths");
+    CpuTracer::new(octree.view()).closest_hits(&primary, &mut hits).expect("equal lengths");
     let surface = |i: usize| {
         let hit = hits[i];
         (!hit.is_miss()).then(|| lifted(mesh, &primary[i], &hit))
