@@ -139,7 +139,7 @@ fn divide(a: f32, b: f32) -> f32 {
     return bitcast<f32>(bitcast<u32>(nearest) | ((bitcast<u32>(a) ^ bitcast<u32>(b)) & 0x80000000u));
 }
 
-// The octree's words, unchanged, and a quad of them by its number.
+// The octree's words, unchanged.
 @group(0) @binding(1) var<storage, read> words_0: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read> words_1: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> words_2: array<vec4<u32>>;
@@ -148,14 +148,28 @@ fn divide(a: f32, b: f32) -> f32 {
 @group(0) @binding(6) var<storage, read> words_5: array<vec4<u32>>;
 
 fn quad(at: u32) -> vec4<u32> {
-    let within = at & 0x7fffffu;
-    switch at >> 23u {
+    let quad = at;
+    let within = quad & 0x7fffffu;
+    switch quad >> 23u {
         case 1u: { return words_1[within]; }
         case 2u: { return words_2[within]; }
         case 3u: { return words_3[within]; }
         case 4u: { return words_4[within]; }
         case 5u: { return words_5[within]; }
         default: { return words_0[within]; }
+    }
+}
+
+fn word(at: u32) -> u32 {
+    let quad = at >> 2u;
+    let within = quad & 0x7fffffu;
+    switch quad >> 23u {
+        case 1u: { return words_1[within][at & 3u]; }
+        case 2u: { return words_2[within][at & 3u]; }
+        case 3u: { return words_3[within][at & 3u]; }
+        case 4u: { return words_4[within][at & 3u]; }
+        case 5u: { return words_5[within][at & 3u]; }
+        default: { return words_0[within][at & 3u]; }
     }
 }
 
@@ -429,14 +443,18 @@ struct Candidate {
     v: f32,
 }
 
+// core/src/layout.rs: Block::vertices, one lane of them
+fn coordinate(block: u32, corner: u32, axis: u32, lane: u32) -> f32 {
+    let at = setup.blocks + block * BLOCK_QUADS + (3u * corner + axis) * LANE_QUADS;
+    return bitcast<f32>(word((at << 2u) + lane));
+}
+
 // core/src/triangle.rs: Sheared::new, of one corner of one lane
 fn sheared(shear: Shear, block: u32, corner: u32, lane: u32) -> vec3<f32> {
-    let half = lane >> 2u;
-    let at = lane & 3u;
     let point = vec3<f32>(
-        coordinates(block, corner, shear.axes.x, half)[at],
-        coordinates(block, corner, shear.axes.y, half)[at],
-        coordinates(block, corner, shear.axes.z, half)[at],
+        coordinate(block, corner, shear.axes.x, lane),
+        coordinate(block, corner, shear.axes.y, lane),
+        coordinate(block, corner, shear.axes.z, lane),
     );
     let p = sub3(point, shear.origin);
     return vec3<f32>(sub(p.x, mul(shear.slope.x, p.z)), sub(p.y, mul(shear.slope.y, p.z)), p.z);
@@ -521,7 +539,7 @@ fn locate(point: vec3<f32>, line: Line) -> Crossing {
     let corner = whole - select(vec3<u32>(0u), ONE_EACH, backs_off);
     let entry = corner >> vec3<u32>(MAX_LEVEL - setup.grid_bits);
     let at = entry.x | (entry.y << setup.grid_bits) | (entry.z << (2u * setup.grid_bits));
-    var record = quad(setup.grid + (at >> 2u))[at & 3u];
+    var record = word((setup.grid << 2u) + at);
     var head = quad(setup.records + record * RECORD_QUADS);
     var size = LATTICE >> level(head.x);
     // Each turn goes down a level.
@@ -571,8 +589,8 @@ fn test_block(block: u32, shear: Shear, nearest: ptr<function, Nearest>) {
         candidates &= candidates - 1u;
         let found = finish(shear, block, lane);
         if found.is_accepted {
-            let primitives = quad(setup.blocks + block * BLOCK_QUADS + PRIMITIVES_QUAD + (lane >> 2u));
-            offer(nearest, found, primitives[lane & 3u]);
+            let primitives = setup.blocks + block * BLOCK_QUADS + PRIMITIVES_QUAD;
+            offer(nearest, found, word((primitives << 2u) + lane));
         }
     }
 }

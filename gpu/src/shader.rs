@@ -58,21 +58,29 @@ fn arithmetic(flavour: Flavour) -> String {
     [include_str!("wgsl/setup.wgsl"), guard, include_str!("wgsl/operations.wgsl"), finish].join("\n")
 }
 
-/// The octree's words, four at a time, in as many bindings as they need.
+/// The octree's words, four at a time or one, in as many bindings as they need.
 fn structure(split: Split) -> String {
-    let mut text = String::from("// The octree's words, unchanged, and a quad of them by its number.\n");
+    let mut text = String::from("// The octree's words, unchanged.\n");
     for k in 0..split.bindings {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "@group(0) @binding({}) var<storage, read> words_{k}: array<vec4<u32>>;", k + 1);
     }
-    text += "\nfn quad(at: u32) -> vec4<u32> {\n";
+    // A word is loaded alone: picked out of a quad in registers, it would cost four loads and a chain of selections.
+    text + &reader(split, "quad(at: u32) -> vec4<u32>", "at", "")
+        + &reader(split, "word(at: u32) -> u32", "at >> 2u", "[at & 3u]")
+}
+
+/// A function that reads the quad numbered `quad`, or the `part` of it.
+fn reader(split: Split, signature: &str, quad: &str, part: &str) -> String {
+    let mut text = format!("\nfn {signature} {{\n");
     if split.bindings == 1 {
-        return text + "    return words_0[at];\n}\n";
+        return text + &format!("    return words_0[{quad}]{part};\n}}\n");
     }
     let (shift, mask) = (split.shift, (1u32 << split.shift) - 1);
-    let _ = writeln!(text, "    let within = at & {mask:#x}u;\n    switch at >> {shift}u {{");
+    let _ =
+        writeln!(text, "    let quad = {quad};\n    let within = quad & {mask:#x}u;\n    switch quad >> {shift}u {{");
     for k in 1..split.bindings {
-        let _ = writeln!(text, "        case {k}u: {{ return words_{k}[within]; }}");
+        let _ = writeln!(text, "        case {k}u: {{ return words_{k}[within]{part}; }}");
     }
-    text + "        default: { return words_0[within]; }\n    }\n}\n"
+    text + &format!("        default: {{ return words_0[within]{part}; }}\n    }}\n}}\n")
 }

@@ -48,7 +48,7 @@ fn locate(point: vec3<f32>, line: Line) -> Crossing {
     let corner = whole - select(vec3<u32>(0u), ONE_EACH, backs_off);
     let entry = corner >> vec3<u32>(MAX_LEVEL - setup.grid_bits);
     let at = entry.x | (entry.y << setup.grid_bits) | (entry.z << (2u * setup.grid_bits));
-    var record = quad(setup.grid + (at >> 2u))[at & 3u];
+    var record = word((setup.grid << 2u) + at);
     var head = quad(setup.records + record * RECORD_QUADS);
     var size = LATTICE >> level(head.x);
     // Each turn goes down a level.
@@ -98,8 +98,8 @@ fn test_block(block: u32, shear: Shear, nearest: ptr<function, Nearest>) {
         candidates &= candidates - 1u;
         let found = finish(shear, block, lane);
         if found.is_accepted {
-            let primitives = quad(setup.blocks + block * BLOCK_QUADS + PRIMITIVES_QUAD + (lane >> 2u));
-            offer(nearest, found, primitives[lane & 3u]);
+            let primitives = setup.blocks + block * BLOCK_QUADS + PRIMITIVES_QUAD;
+            offer(nearest, found, word((primitives << 2u) + lane));
         }
     }
 }

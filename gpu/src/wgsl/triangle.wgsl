@@ -85,14 +85,18 @@ struct Candidate {
     v: f32,
 }
 
+// core/src/layout.rs: Block::vertices, one lane of them
+fn coordinate(block: u32, corner: u32, axis: u32, lane: u32) -> f32 {
+    let at = setup.blocks + block * BLOCK_QUADS + (3u * corner + axis) * LANE_QUADS;
+    return bitcast<f32>(word((at << 2u) + lane));
+}
+
 // core/src/triangle.rs: Sheared::new, of one corner of one lane
 fn sheared(shear: Shear, block: u32, corner: u32, lane: u32) -> vec3<f32> {
-    let half = lane >> 2u;
-    let at = lane & 3u;
     let point = vec3<f32>(
-        coordinates(block, corner, shear.axes.x, half)[at],
-        coordinates(block, corner, shear.axes.y, half)[at],
-        coordinates(block, corner, shear.axes.z, half)[at],
+        coordinate(block, corner, shear.axes.x, lane),
+        coordinate(block, corner, shear.axes.y, lane),
+        coordinate(block, corner, shear.axes.z, lane),
     );
     let p = sub3(point, shear.origin);
     return vec3<f32>(sub(p.x, mul(shear.slope.x, p.z)), sub(p.y, mul(shear.slope.y, p.z)), p.z);
