@@ -21,7 +21,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Batches go to a [`Tracer`]: [`CpuTracer`] answers them on every core. [`load`] and [`save`] read and write files.
+//! Batches go to a [`Tracer`]: [`CpuTracer`] answers them on every core and, with the feature `gpu`, `gpu::GpuTracer` on a
+//! GPU. [`load`] and [`save`] read and write files.
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "mesh-files")]
