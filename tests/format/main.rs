@@ -6,6 +6,7 @@ mod support;
 mod branches;
 mod compact;
 mod contents;
+mod frozen;
 mod links;
 mod preamble;
 mod round_trip;

@@ -1,0 +1,86 @@
+//! Version 1 is frozen: files that it once wrote are read, and answer as they did then.
+//!
+//! The files in version_1/ were written by the first release that had it, from the meshes below, by the builders that stand
+//! beside them. They are never written again: a release that builds other octrees still reads these.
+
+use std::path::Path;
+
+use leafwalk::wire::Section;
+use leafwalk::{Builder, Hit, Mesh, Octree, Ray, Tracer, hit_hash, verify_against};
+use leafwalk_core::layout::{LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, NONE, Record};
+
+use crate::support::random::Random;
+use crate::support::{meshes, rays};
+
+/// A file, what it was built from, and what it answered.
+struct Frozen {
+    name: &'static str,
+    mesh: Mesh,
+    builder: Builder,
+    hash: u64,
+}
+
+/// Links of every kind, in a packed octree with materials; a chain of payloads; blocks that share vertices.
+fn all() -> [Frozen; 3] {
+    let mut soup = meshes::soup(12, 21);
+    soup.material_ids = (0..soup.triangles.len() as u32).map(|triangle| triangle % 3).collect();
+    let small = Builder::new().step_cost(0.5);
+    [
+        Frozen { name: "levels", mesh: soup, builder: small.clone().max_level(3), hash: 0x757a_6e19_5d91_720d },
+        Frozen {
+            name: "chain",
+            mesh: meshes::soup(70, 22),
+            builder: small.clone().max_level(0),
+            hash: 0x515f_f322_d8e6_4295,
+        },
+        Frozen {
+            name: "compact",
+            mesh: meshes::icosphere(1),
+            builder: small.max_level(2).compact(),
+            hash: 0xbb97_ef49_6b32_9262,
+        },
+    ]
+}
+
+fn load(name: &str) -> Octree<Vec<u32>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/format/version_1");
+    leafwalk::load(folder.join(name).with_extension("lwk")).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+fn answers(octree: &impl Tracer<Error = leafwalk::LengthMismatch>, mesh: &Mesh) -> u64 {
+    let (centre, size) = rays::extent(mesh);
+    let rays: Vec<Ray> = (0..4000).map(|i| rays::hard(mesh, centre, size, &mut Random::new(8, i))).collect();
+    let mut hits = vec![Hit::MISS; rays.len()];
+    octree.closest_hits(&rays, &mut hits).expect("equal lengths");
+    assert!(hits.iter().filter(|hit| !hit.is_miss()).count() > 400);
+    hit_hash(&hits)
+}
+
+#[test]
+fn files_of_version_1_answer_as_they_did() {
+    for Frozen { name, mesh, builder, hash } in all() {
+        let octree = load(name);
+        assert_eq!(octree.as_words()[1], 1, "{name}");
+        verify_against(&octree, &mesh).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(answers(&octree, &mesh), hash, "{name}: other hits than in version 1");
+        // Another octree, perhaps, but the same answers: the hash is of the numeric contract, which is frozen with it.
+        assert_eq!(answers(&builder.build(&mesh).unwrap(), &mesh), hash, "{name}: other hits when built anew");
+    }
+}
+
+#[test]
+fn they_use_all_that_version_1_has() {
+    let used = all().map(|frozen| Section::ALL.map(|section| load(frozen.name).span(section).1 > 0));
+    for section in Section::ALL {
+        assert!(used.iter().any(|used| used[section as usize]), "no file has section '{}'", section.name());
+    }
+    let [levels, chain] = ["levels", "chain"].map(load);
+    let expected: Vec<u32> = (0..levels.stats().primitives).map(|triangle| triangle % 3).collect();
+    assert_eq!(levels.parts().materials, expected);
+    for kind in [LINK_NONE, LINK_SAME, LINK_COARSER, LINK_FINER] {
+        let has_any = |record: &Record| (0..6).any(|face| record.head().link(face) == kind);
+        let mut leaves = levels.parts().records.iter().filter(|record| !record.head().is_inner());
+        assert!(leaves.any(has_any), "no link of kind {kind}");
+    }
+    assert!(chain.parts().payloads.iter().any(|payload| payload.next != NONE));
+}
