@@ -12,13 +12,14 @@ use shell::{Outcome, Shell};
 use support::meshes::{bumpy_sphere, icosphere};
 
 /// What runs, by name.
-const TESTS: [(&str, fn()); 6] = [
+const TESTS: [(&str, fn()); 7] = [
     ("a GPU traces and renders what the CPU does", same_answers),
     ("adapters are listed with what they promise", listing),
     ("an adapter that is not there is named with those that are", no_such_adapter),
     ("software adapters are taken on request only", software),
     ("the environment picks an adapter", environment),
     ("a compact octree is refused", compact),
+    ("the CPU stands in where that is asked for", standing_in),
 ];
 
 fn main() -> ExitCode {
@@ -120,4 +121,18 @@ fn compact() {
     let last = outcome.stderr.lines().last().unwrap_or_default();
     assert!(last.starts_with("error: ") && last.contains("without `compact`"), "{outcome:?}");
     assert_eq!(shell.names(), ["small.lwk", "sphere.obj"]);
+}
+
+fn standing_in() {
+    let shell = Shell::new();
+    shell.write("sphere.obj", shell::obj(&icosphere(2)));
+    let cpu = shell.json("render sphere.obj -o cpu.png --size 64x48");
+    assert!(cpu.get("instead_of_gpu").is_none(), "{cpu}");
+    let stand_in = shell.json("render sphere.obj -o stand_in.png --size 64x48 --backend gpu --adapter abacus --or-cpu");
+    assert_eq!(stand_in["backend"], "cpu");
+    assert!(stand_in["instead_of_gpu"].as_str().is_some_and(|reason| reason.contains("'abacus'")), "{stand_in}");
+    assert!(shell.read("cpu.png") == shell.read("stand_in.png"), "the pictures differ");
+    let gpu = shell.json("render sphere.obj -o gpu.png --size 64x48 --backend gpu --adapter software --or-cpu");
+    assert_eq!([&gpu["backend"], &gpu["instead_of_gpu"]], [&"gpu".into(), &serde_json::Value::Null]);
+    assert!(shell.read("cpu.png") == shell.read("gpu.png"), "smaller leaves change the picture");
 }

@@ -19,7 +19,7 @@ mod triangle;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use leafwalk::{Builder, Hit, Mesh, Ray, Work};
+use leafwalk::{Builder, Hit, Mesh, Octree, Ray, Work};
 use leafwalk_gpu::{Flavour, Gpu, GpuTracer, Kind, Pick};
 
 use contender::{Contender, Ours};
@@ -51,6 +51,9 @@ struct Arguments {
     /// Rounds of each measurement: 9, or on software adapters, whose speed says nothing, none unless told otherwise.
     #[arg(long)]
     rounds: Option<u32>,
+    /// Cost of a step over that of a triangle, for the octree: lower makes smaller leaves. The builder's own by default.
+    #[arg(long)]
+    step_cost: Option<f32>,
     /// Cargo passes it.
     #[arg(long, hide = true)]
     bench: bool,
@@ -88,8 +91,10 @@ fn main() {
     let sizes: Vec<(&str, u32)> = frame.into_iter().chain(batch).collect();
     let path = std::env::var_os("LEAFWALK_BENCH_CSV").map_or_else(default_path, PathBuf::from);
     let mut report = Report::new(adapter.to_string());
+    let builder = arguments.step_cost.map_or_else(Builder::new, |cost| Builder::new().step_cost(cost));
     for (name, mesh, inside) in all_scenes(&arguments) {
-        measure(&gpu, &name, &mesh, inside, &sizes, rounds, &mut report);
+        let scene = Scene { octree: builder.build(&mesh).expect("a mesh that builds"), name, mesh, inside };
+        measure(&gpu, &scene, &sizes, rounds, &mut report);
         if let Err(error) = report.write(&path) {
             fail(&format!("cannot write {}: {error}", path.display()));
         }
@@ -132,28 +137,35 @@ fn name_of(path: &Path) -> String {
     name.split('.').next().unwrap_or_default().to_owned()
 }
 
-fn measure(gpu: &Gpu, scene: &str, mesh: &Mesh, inside: bool, sizes: &[(&str, u32)], rounds: u32, report: &mut Report) {
-    let octree = Builder::new().build(mesh).expect("a mesh that builds");
+struct Scene {
+    name: String,
+    mesh: Mesh,
+    inside: bool,
+    octree: Octree<Vec<u32>>,
+}
+
+fn measure(gpu: &Gpu, scene: &Scene, sizes: &[(&str, u32)], rounds: u32, report: &mut Report) {
+    let Scene { name, mesh, inside, octree } = scene;
     let [exact, fast] = [Flavour::Exact, Flavour::Fast]
-        .map(|flavour| gpu.tracer(&octree, flavour).unwrap_or_else(|error| fail(&error.to_string())));
+        .map(|flavour| gpu.tracer(octree, flavour).unwrap_or_else(|error| fail(&error.to_string())));
     let cwbvh = Cwbvh::new(mesh, &gpu.adapter().to_string());
-    println!("\n{scene}: {} triangles", mesh.triangles.len());
+    println!("\n{name}: {} triangles", mesh.triangles.len());
     Report::print_head();
     for (size, side) in sizes {
-        for workload in workloads::all(&octree, mesh, inside, *side) {
+        for workload in workloads::all(octree, mesh, *inside, *side) {
             let on_device = exact.upload(&workload.rays).expect("room on the device");
             let mut contenders: [Box<dyn Contender>; 3] = [
                 Box::new(Ours::new(EXACT, &exact, &on_device, workload.is_occlusion)),
                 Box::new(Ours::new(FAST, &fast, &on_device, workload.is_occlusion)),
                 cwbvh.contender(&workload.rays, workload.is_occlusion),
             ];
-            let judge = Judge::new(&octree, &workload);
+            let judge = Judge::new(octree, &workload);
             let times = race(&mut contenders, rounds);
             for (contender, times) in contenders.iter().zip(times) {
                 let found = contender.answers();
                 let is_ours = contender.name() != report::CWBVH;
                 report.add(Row {
-                    scene: scene.into(),
+                    scene: name.clone(),
                     triangles: mesh.triangles.len(),
                     rays_of: format!("{} {size}", workload.name),
                     tracer: contender.name(),

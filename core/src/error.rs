@@ -58,12 +58,19 @@ pub enum DecodeError {
         /// Words.
         length: u32,
     },
+    /// A section starts elsewhere than at a multiple of 16 words, where devices cannot read it.
+    SectionOffset {
+        /// Which one.
+        section: Section,
+        /// First word.
+        offset: u32,
+    },
     /// A section stands in the table twice.
     SectionTwice {
         /// Which one.
         section: Section,
     },
-    /// A section is absent, or its length or alignment is impossible.
+    /// A section is absent, or its length is impossible.
     SectionLength {
         /// Which one.
         section: Section,
@@ -166,6 +173,10 @@ impl fmt::Display for DecodeError {
                     f,
                     "section '{tag}' at word {offset}, {length} words long, lies outside the file or over another"
                 )
+            }
+            Self::SectionOffset { section, offset } => {
+                let align = crate::layout::SECTION_ALIGN;
+                write!(f, "section '{}' starts at word {offset}, which is no multiple of {align}", section.name())
             }
             Self::SectionTwice { section } => write!(f, "section '{}' stands in the table twice", section.name()),
             Self::SectionLength { section, words } => {

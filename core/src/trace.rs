@@ -214,7 +214,8 @@ impl Search<'_> {
         first <= last
     }
 
-    /// Bit b: block b's box is met; bits from the payload's count on mean nothing. All eight at once, in a loop that compilers turn into SIMD.
+    /// Bit b: block b's box is met; bits from the payload's count on mean nothing. All eight at once, in a loop that
+    /// compilers turn into SIMD.
     #[inline(always)]
     fn blocks_met(&self, slabs: &Slabs<f32>, payload: &Payload) -> u32 {
         let is_met: [bool; PAYLOAD_BLOCKS] = core::array::from_fn(|b| {

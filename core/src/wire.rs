@@ -1,8 +1,8 @@
 //! The file: header words, section table, checksum.
 //!
 //! Words 0 to 4 are magic, version, total words, CRC-32 (taken with this word zero) and the number of sections; then
-//! follows a (tag, offset, words) triple a section, in the order of the file. Sections do not overlap; those with unknown
-//! tags are skipped.
+//! follows a (tag, offset, words) triple a section, in the order of the file. Sections do not overlap and start at multiples
+//! of [`SECTION_ALIGN`] words; those with unknown tags are skipped, wherever they start.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -206,6 +206,9 @@ pub(crate) fn open(words: &[u32]) -> Result<Spans, DecodeError> {
         if let Some(i) = Section::ALL.iter().position(|section| section.tag() == tag) {
             if spans[i] != (0, 0) {
                 return Err(DecodeError::SectionTwice { section: Section::ALL[i] });
+            }
+            if offset as usize % SECTION_ALIGN != 0 {
+                return Err(DecodeError::SectionOffset { section: Section::ALL[i], offset });
             }
             spans[i] = (offset, length);
         }

@@ -11,6 +11,7 @@ use leafwalk_core::Octree;
 use crate::adapter::{self, Adapter, Pick};
 use crate::error::GpuError;
 use crate::flavour::Flavour;
+use crate::prelude::QUAD_BYTES;
 use crate::self_test::{self, SelfTest};
 use crate::shader;
 use crate::tracer::GpuTracer;
@@ -124,14 +125,15 @@ impl Gpu {
         self.check().map(|()| buffer)
     }
 
-    /// A buffer that shaders read, with its contents.
+    /// A buffer that shaders read, with its contents and, up to a whole quad, zeros.
     pub(crate) fn filled(
         &self,
         label: &str,
         bytes: &[u8],
         usage: wgpu::BufferUsages,
     ) -> Result<wgpu::Buffer, GpuError> {
-        let buffer = self.buffer(label, bytes.len(), usage | wgpu::BufferUsages::COPY_DST)?;
+        let room = bytes.len().next_multiple_of(QUAD_BYTES);
+        let buffer = self.buffer(label, room, usage | wgpu::BufferUsages::COPY_DST)?;
         self.queue.write_buffer(&buffer, 0, bytes);
         self.check().map(|()| buffer)
     }

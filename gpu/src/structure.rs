@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use leafwalk_core::Octree;
+use leafwalk_core::layout::SECTION_ALIGN;
 use leafwalk_core::wire::Section;
 
 use crate::chunk::Split;
@@ -34,7 +35,7 @@ pub struct Setup {
 
 impl Setup {
     pub(crate) fn of<W: AsRef<[u32]>>(octree: &Octree<W>) -> Self {
-        // Sections start at whole quads: SECTION_ALIGN is a multiple of four words.
+        const { assert!((SECTION_ALIGN * size_of::<u32>()).is_multiple_of(QUAD_BYTES), "sections start at whole quads") }
         let quad = |section| octree.span(section).0 / (QUAD_BYTES / size_of::<u32>()) as u32;
         Self {
             records: quad(Section::Records),
@@ -61,7 +62,8 @@ impl Structure {
     pub(crate) fn upload<W: AsRef<[u32]>>(gpu: &Gpu, octree: &Octree<W>, split: Split) -> Result<Self, GpuError> {
         let bytes: &[u8] = bytemuck::cast_slice(octree.as_words());
         let buffer = |range: core::ops::Range<usize>| {
-            let length = range.len();
+            // Files need not end with a whole quad; shaders read nothing smaller.
+            let length = range.len().next_multiple_of(QUAD_BYTES);
             let buffer = gpu.filled("octree", &bytes[range], wgpu::BufferUsages::STORAGE)?;
             // What was written goes to the device now, so that the copies in between do not pile up.
             gpu.queue.submit([]);

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use clap::{Args, ValueEnum};
-use leafwalk::{CpuTracer, Hit, LengthMismatch, Octree, Ray, Tracer, Work};
+use leafwalk::{Builder, CpuTracer, Hit, LengthMismatch, Octree, Ray, Tracer, Work};
 
 use super::error::CommandError;
 use super::report::Report;
@@ -13,7 +13,7 @@ use crate::picture::meter::Worked;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Backend")]
 pub(crate) struct BackendArgs {
-    /// What traces; `gpu` takes a build with the feature of that name.
+    /// What traces; `gpu` takes a build with the feature of that name. For it, meshes are built with a step cost of 64.
     #[arg(long, value_name = "cpu|gpu", default_value = "cpu", value_parser = backend)]
     backend: Kind,
 
@@ -25,6 +25,10 @@ pub(crate) struct BackendArgs {
     /// On a GPU: every bit as on the CPU (exact, unless told otherwise), or a few hits differing.
     #[arg(long, value_enum)]
     flavour: Option<Flavour>,
+
+    /// Trace on the CPU where no GPU can be opened for the octree; the summary then says why.
+    #[arg(long)]
+    or_cpu: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,18 +62,28 @@ fn backend(argument: &str) -> Result<Kind, &'static str> {
 
 /// A tracer of either kind, with the octree that it traces.
 pub(crate) enum Backend {
-    Cpu(CpuTracer<Vec<u32>>),
+    /// With the reason, where it stands in for a GPU.
+    Cpu(CpuTracer<Vec<u32>>, Option<String>),
     #[cfg(feature = "gpu")]
     Gpu(Box<leafwalk::gpu::GpuTracer>, Octree<Vec<u32>>),
 }
 
 impl BackendArgs {
+    /// For meshes, which are built into what the backend traces best.
+    pub(crate) fn builder(&self) -> Builder {
+        match self.backend {
+            Kind::Cpu => Builder::new(),
+            #[cfg(feature = "gpu")]
+            Kind::Gpu => Builder::new().step_cost(Builder::WALK_STEP_COST),
+        }
+    }
+
     pub(crate) fn open(&self, octree: Octree<Vec<u32>>) -> Result<Backend, CommandError> {
         match self.backend {
-            Kind::Cpu if self.adapter.is_some() || self.flavour.is_some() => {
-                Err(CommandError::Usage("--adapter and --flavour are for GPUs: add --backend gpu"))
+            Kind::Cpu if self.adapter.is_some() || self.flavour.is_some() || self.or_cpu => {
+                Err(CommandError::Usage("--adapter, --flavour and --or-cpu are for GPUs: add --backend gpu"))
             }
-            Kind::Cpu => Ok(Backend::Cpu(CpuTracer::new(octree))),
+            Kind::Cpu => Ok(Backend::Cpu(CpuTracer::new(octree), None)),
             #[cfg(feature = "gpu")]
             Kind::Gpu => {
                 let flavour = match self.flavour {
@@ -77,8 +91,11 @@ impl BackendArgs {
                     Some(Flavour::Fast) => leafwalk::gpu::Flavour::Fast,
                 };
                 let pick = self.adapter.clone().map_or_else(leafwalk::gpu::Pick::from_environment, Into::into);
-                let tracer = leafwalk::gpu::GpuTracer::new(&octree, pick, flavour);
-                Ok(Backend::Gpu(Box::new(tracer.map_err(BackendError::Gpu)?), octree))
+                match leafwalk::gpu::GpuTracer::new(&octree, pick, flavour) {
+                    Ok(tracer) => Ok(Backend::Gpu(Box::new(tracer), octree)),
+                    Err(error) if self.or_cpu => Ok(Backend::Cpu(CpuTracer::new(octree), Some(error.to_string()))),
+                    Err(error) => Err(BackendError::Gpu(error).into()),
+                }
             }
         }
     }
@@ -87,7 +104,7 @@ impl BackendArgs {
 impl Backend {
     pub(crate) fn octree(&self) -> &Octree<Vec<u32>> {
         match self {
-            Self::Cpu(tracer) => tracer.octree(),
+            Self::Cpu(tracer, _) => tracer.octree(),
             #[cfg(feature = "gpu")]
             Self::Gpu(_, octree) => octree,
         }
@@ -96,7 +113,12 @@ impl Backend {
     /// Which backend it is and, of a GPU, what it promises.
     pub(crate) fn describe(&self, report: &mut Report) {
         match self {
-            Self::Cpu(_) => report.add("backend", "backend", "cpu"),
+            Self::Cpu(_, reason) => {
+                report.add("backend", "backend", "cpu");
+                if let Some(reason) = reason {
+                    report.add("instead_of_gpu", "instead of a GPU", reason.as_str());
+                }
+            }
             #[cfg(feature = "gpu")]
             Self::Gpu(tracer, _) => {
                 report.add("backend", "backend", "gpu");
@@ -121,7 +143,7 @@ impl Tracer for Backend {
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), BackendError> {
         match self {
-            Self::Cpu(tracer) => tracer.closest_hits(rays, hits).map_err(BackendError::Lengths),
+            Self::Cpu(tracer, _) => tracer.closest_hits(rays, hits).map_err(BackendError::Lengths),
             #[cfg(feature = "gpu")]
             Self::Gpu(tracer, _) => tracer.closest_hits(rays, hits).map_err(BackendError::Gpu),
         }
@@ -129,7 +151,7 @@ impl Tracer for Backend {
 
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), BackendError> {
         match self {
-            Self::Cpu(tracer) => tracer.occlusions(rays, occluded).map_err(BackendError::Lengths),
+            Self::Cpu(tracer, _) => tracer.occlusions(rays, occluded).map_err(BackendError::Lengths),
             #[cfg(feature = "gpu")]
             Self::Gpu(tracer, _) => tracer.occlusions(rays, occluded).map_err(BackendError::Gpu),
         }
@@ -139,7 +161,7 @@ impl Tracer for Backend {
 impl Worked for Backend {
     fn closest_hits_with_work(&self, rays: &[Ray], answers: &mut [(Hit, Work)]) -> Result<(), BackendError> {
         match self {
-            Self::Cpu(tracer) => tracer.closest_hits_with_work(rays, answers).map_err(BackendError::Lengths),
+            Self::Cpu(tracer, _) => tracer.closest_hits_with_work(rays, answers).map_err(BackendError::Lengths),
             #[cfg(feature = "gpu")]
             Self::Gpu(tracer, _) => tracer.closest_hits_with_work(rays, answers).map_err(BackendError::Gpu),
         }

@@ -5,7 +5,6 @@ use core::time::Duration;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use leafwalk::Builder;
 
 use super::backend::{Backend, BackendArgs, BackendError};
 use super::context::Context;
@@ -110,7 +109,7 @@ fn field_of_view(argument: &str) -> Result<f64, String> {
 
 pub(crate) fn run(args: &RenderArgs, context: &Context) -> Result<(), CommandError> {
     context.check_output(&args.output, &[&args.input])?;
-    let Input { octree, built } = input::open(&args.input, &Builder::new(), context)?;
+    let Input { octree, built } = input::open(&args.input, &args.backend.builder(), context)?;
     let view = args.view(&View::framing(&octree.bounds(), args.fov.unwrap_or(View::FOV), args.size.aspect()));
     let camera = Camera::new(&view, args.size)?;
     let materials = built.iter().flat_map(|built| &built.mesh.materials);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use leafwalk::{Builder, Hit, Ray, Tracer, hit_hash};
+use leafwalk::{Hit, Ray, Tracer, hit_hash};
 
 use super::backend::BackendArgs;
 use super::context::Context;
@@ -47,13 +47,13 @@ Examples:
   leafwalk trace bunny.lwk rays.npy -o hits.npy
   leafwalk trace bunny.ply rays.csv -o hits.csv --json";
 
-/// Rays between two looks at the clock.
-const BATCH: usize = 1 << 20;
+/// Rays between two looks at the clock: several chunks of a GPU, so that its copies overlap.
+const BATCH: usize = 1 << 22;
 
 pub(crate) fn run(args: &TraceArgs, context: &Context) -> Result<(), CommandError> {
     context.check_output(&args.output.path, &[&args.input, &args.rays.path])?;
     let rays = rays::read(&args.rays)?;
-    let octree = input::open(&args.input, &Builder::new(), context)?.octree;
+    let octree = input::open(&args.input, &args.backend.builder(), context)?.octree;
     let backend = args.backend.open(octree)?;
     let (answers, time) = trace(&backend, &rays, context)?;
     hits::write(&args.output, &answers, context)?;

@@ -92,6 +92,9 @@ fn settings_reach_the_builder() {
     let flat = shell.json("build sphere.obj -o flat.lwk --max-level 1 --budget 2.5");
     assert_eq!(flat["leaves"], 8);
     assert_eq!(shell.json("info flat.lwk")["max_level"], 1);
+    let fine = shell.json("build sphere.obj -o fine.lwk --step-cost 1.5");
+    assert!(fine["leaves"].as_u64() > Some(8), "{fine}");
+    assert_eq!(shell.json("info fine.lwk")["step_cost"], 1.5);
     shell.assert_fails("build sphere.obj -o small.lwk --memory-limit 1000", "1000");
 }
 
@@ -262,6 +265,8 @@ fn wrong_usage_is_told_from_failed_work() {
         "build sphere.obj -o out.lwk --max-level 17",
         "build sphere.obj -o out.lwk --budget 0.5",
         "build sphere.obj -o out.lwk --budget inf",
+        "build sphere.obj -o out.lwk --step-cost 0.25",
+        "build sphere.obj -o out.lwk --step-cost nan",
         "info",
         "verify",
         "trace sphere.lwk rays.csv",
@@ -270,6 +275,7 @@ fn wrong_usage_is_told_from_failed_work() {
         "trace sphere.lwk rays.csv -o hits.csv --backend tpu",
         "trace sphere.lwk rays.csv -o hits.csv --flavour fast",
         "render sphere.lwk -o a.png --adapter software",
+        "render sphere.lwk -o a.png --or-cpu",
     ] {
         let outcome = shell.run(arguments);
         outcome.assert_code(2);

@@ -2,6 +2,7 @@
 
 use leafwalk::wire::{PREAMBLE_WORDS, Section, TABLE_ROW};
 use leafwalk::{DecodeError, Octree};
+use leafwalk_core::layout::SECTION_ALIGN;
 
 use crate::support::edited::reseal;
 use crate::support::random::Random;
@@ -134,6 +135,18 @@ fn a_section_must_lie_inside_the_file_behind_the_one_before_it() {
         file.row(Section::Keys)[1..].copy_from_slice(&[offset, length / 4]);
     });
     assert!(matches!(error, DecodeError::SectionRange { tag, .. } if tag == Section::Keys.tag()), "{error}");
+}
+
+#[test]
+fn a_section_must_start_at_a_whole_cache_line() {
+    let valid = levels();
+    for section in Section::ALL {
+        let [_, offset, length] = *valid.clone().row(section) else { unreachable!() };
+        for by in (1..SECTION_ALIGN as u32).filter(|by| *by <= length) {
+            let error = refused(&valid, |file| file.row(section)[1..].copy_from_slice(&[offset + by, length - by]));
+            assert_eq!(error, DecodeError::SectionOffset { section, offset: offset + by });
+        }
+    }
 }
 
 #[test]

@@ -1,8 +1,9 @@
-//! Octrees larger than a binding, and those that shaders do not read.
+//! Octrees larger than a binding, those that end anywhere, and those that shaders do not read.
 
 use std::sync::OnceLock;
 
-use leafwalk::Builder;
+use leafwalk::wire::{self, PREAMBLE_WORDS, Section, TABLE_ROW};
+use leafwalk::{Builder, Octree};
 use leafwalk_gpu::{Flavour, Gpu, GpuError, GpuTracer};
 
 use crate::Test;
@@ -14,6 +15,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("an octree in two to six bindings", small),
     ("an octree larger than 128 MiB", large),
     ("an octree in more than six bindings is refused", refused),
+    ("an octree whose last word is the entry grid's", ragged),
     ("a compact octree is refused", compact),
 ];
 
@@ -48,6 +50,23 @@ fn refused(gpu: &Gpu) {
     let bytes = size_of_val(scene.octree.as_words()) as u64;
     let error = GpuTracer::split(gpu, &scene.octree, Flavour::Exact, 1024).map(|_| ());
     assert_eq!(error, Err(GpuError::StructureTooLarge { bytes, most: 6 * 1024 }));
+}
+
+fn ragged(gpu: &Gpu) {
+    let scene = Scene::built_by(&Builder::new().max_level(0), "one cell", meshes::soup(40, 5));
+    let (start, count) = scene.octree.span(Section::Grid);
+    let end = start + count;
+    assert!(!end.is_multiple_of(4), "{end} words are whole quads");
+    // Nothing stands behind the grid: no padding, and the materials are another writer's empty section.
+    let mut words = scene.octree.as_words()[..end as usize].to_vec();
+    let row = PREAMBLE_WORDS + TABLE_ROW * Section::Materials as usize;
+    words[row..][..TABLE_ROW].copy_from_slice(&[u32::from_le_bytes(*b"none"), end, 0]);
+    words[2] = end;
+    words[3] = wire::checksum(&words);
+    let cut = Octree::from_words(words).expect("a valid file");
+    let rays = scenes::hard(&scene, 2000, 1);
+    let tracer = gpu.tracer(&cut, Flavour::Exact).expect("room");
+    assert_eq!(differing(&hits(&tracer, &rays), &hits(&scene.octree, &rays)), 0);
 }
 
 fn compact(gpu: &Gpu) {

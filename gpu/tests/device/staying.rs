@@ -12,6 +12,7 @@ use crate::support::meshes;
 pub(crate) const TESTS: &[Test] = &[
     ("camera rays made on the device are the CPU's", cameras),
     ("rays and hits stay on the device until they are read", staying),
+    ("more rays than a buffer holds stay on the device", many),
     ("cameras without pixels, and with too many", extremes),
 ];
 
@@ -92,6 +93,38 @@ fn staying(gpu: &Gpu) {
     let none = tracer.upload(&[]).expect("no room is needed");
     assert!(none.is_empty());
     assert_eq!(tracer.submit(&none).and_then(|hits| hits.read()), Ok(vec![]));
+}
+
+fn many(gpu: &Gpu) {
+    // A dispatch's workgroups along an axis, and their rays.
+    const BUFFER_RAYS: usize = 65535 * 64;
+    let scene = Scene::new("sphere", meshes::icosphere(1));
+    let tracer = gpu.tracer(&scene.octree, Flavour::Exact).expect("room");
+    let near = pinholes()[0];
+    let camera = Pinhole {
+        right: near.right.map(|c| c / 20.0),
+        down: near.down.map(|c| c / 50.0),
+        width: 2056,
+        height: 2048,
+        ..near
+    };
+    let rays = rays_of(&camera);
+    assert!(rays.len() > BUFFER_RAYS);
+    // Some of all, and all about where the second buffer begins.
+    let is_checked = |number: &usize| number.is_multiple_of(1009) || number.abs_diff(BUFFER_RAYS) < 5000;
+    let checked: Vec<usize> = (0..rays.len()).filter(is_checked).collect();
+    let expect = |number: &usize| rays[*number].and_then(|ray| scene.octree.closest_hit(&ray)).unwrap_or(Hit::MISS);
+    let expected: Vec<Hit> = checked.iter().map(expect).collect();
+    assert!(expected.iter().filter(|hit| !hit.is_miss()).count() > 1000);
+
+    let found = tracer.camera_rays(&camera).and_then(|rays| tracer.submit(&rays)?.read()).expect("a working device");
+    assert_eq!(found.len(), rays.len());
+    assert_eq!(differing(&checked.iter().map(|number| found[*number]).collect::<Vec<_>>(), &expected), 0);
+
+    let uploaded: Vec<Ray> = rays.into_iter().flatten().collect();
+    let uploaded = tracer.upload(&uploaded).expect("room");
+    let occluded = tracer.submit_occlusions(&uploaded).and_then(|answers| answers.read()).expect("a working device");
+    assert!(checked.iter().zip(&expected).all(|(number, hit)| occluded[*number] != hit.is_miss()));
 }
 
 fn extremes(gpu: &Gpu) {
