@@ -34,6 +34,8 @@ pub struct GpuTracer {
 impl GpuTracer {
     /// Opens an adapter, tests its arithmetic and uploads the octree's words as they are.
     ///
+    /// An octree of smaller leaves than a CPU wants is traced faster: one built with a step cost of 64.
+    ///
     /// # Errors
     /// [`GpuError`]: no such adapter, no device, no room, or an octree that is compact or larger than the
     /// shaders' bindings reach.

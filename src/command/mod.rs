@@ -71,6 +71,10 @@ enum Command {
 pub(crate) fn main() -> ExitCode {
     match run(&Cli::parse()) {
         Ok(()) => ExitCode::SUCCESS,
+        // The handler of Ctrl-C says so, once, and ends the process.
+        Err(CommandError::Cancelled) => loop {
+            std::thread::park();
+        },
         Err(error) => {
             print_error(&error);
             error.exit_code()
