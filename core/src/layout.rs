@@ -4,8 +4,7 @@ use crate::per_axis;
 
 /// The first word of a file: the bytes `lwok`.
 pub const MAGIC: u32 = u32::from_le_bytes(*b"lwok");
-/// The format's version. It is frozen: readers read every version up to theirs, and a change of what the words mean takes the
-/// next one.
+/// The format's version, frozen: a change of what the words mean takes the next one, and readers read all up to theirs.
 pub const VERSION: u32 = 1;
 
 /// Deepest level of a leaf: cells 2^-16 of the root's edge.

@@ -1,8 +1,8 @@
 //! The file: header words, section table, checksum.
 //!
 //! Words 0 to 4 are magic, version, total words, CRC-32 (taken with this word zero) and the number of sections; then
-//! follows a (tag, offset, words) triple a section, in the order of the file. Sections do not overlap and start at multiples
-//! of [`SECTION_ALIGN`] words; those with unknown tags are skipped, wherever they start.
+//! follows a (tag, offset, words) triple a section, in the order of the file. Sections do not overlap and start at
+//! multiples of [`SECTION_ALIGN`] words; those with unknown tags are skipped, wherever they start.
 
 use bytemuck::{Pod, Zeroable};
 

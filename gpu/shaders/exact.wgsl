@@ -121,8 +121,9 @@ fn quotient(a: f32, b: f32) -> f32 {
     return guard(a / b);
 }
 
-// core/src/lanes.rs: Lanes, its Div of f32. A device's quotient may be 2.5 units off: a first correction brings it next to the true
-// one, and of the two floats around that the one with the smaller residual is nearest (a quotient is never half way).
+// core/src/lanes.rs: Lanes, its Div of f32. A device's quotient may be 2.5 units off: a first correction brings it next
+// to the true one, and of the two floats around that the one with the smaller residual is nearest (a quotient is never
+// half way).
 // b is normal and not 0; quotients under 2^-60 are small, not exact.
 fn divide(a: f32, b: f32) -> f32 {
     // A power of two brings |b| into 1..2, so that no residual is subnormal.

@@ -24,7 +24,7 @@ impl Pick {
     /// The environment variable that [`Pick::from_environment`] reads.
     pub const VARIABLE: &str = "LEAFWALK_ADAPTER";
 
-    /// What the environment variable `LEAFWALK_ADAPTER` says, in the words of the command line; `Auto` where it is unset.
+    /// What the variable `LEAFWALK_ADAPTER` says, in the words of the command line; `Auto` where it is unset.
     pub fn from_environment() -> Self {
         std::env::var(Self::VARIABLE).map_or(Self::Auto, |name| name.into())
     }

@@ -58,8 +58,8 @@ impl GpuTracer {
         self.upload_some(rays.iter().map(|ray| Some(*ray)))
     }
 
-    /// A camera's rays, made on the device, tile by tile: ray `number` is that of [`Pinhole::pixel`]. Where the camera is
-    /// more than a root edge outside, or its numbers are extreme, they are made here and uploaded: the rays are the same.
+    /// A camera's rays, made on the device, tile by tile: ray `number` is that of [`Pinhole::pixel`]. Where the camera
+    /// is more than a root edge outside, or its numbers are extreme, the same rays are made here and uploaded.
     ///
     /// # Errors
     /// When the device has no room for them, or fails; [`GpuError::CameraTooLarge`] for 2^32 rays or more.

@@ -17,7 +17,7 @@ pub(crate) struct Kernel {
 }
 
 impl Module {
-    /// Group 0 holds a uniform and `inputs` storage buffers; group 1 a storage buffer that is read and one that is written.
+    /// Group 0 holds a uniform and `inputs` storage buffers; group 1 a storage buffer to read and one to write.
     pub(crate) fn new(gpu: &Gpu, label: &str, source: &str, inputs: u32) -> Result<Self, GpuError> {
         let uniform = wgpu::BufferBindingType::Uniform;
         let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };

@@ -99,7 +99,7 @@ impl GpuTracer {
         self.self_test.promise()
     }
 
-    /// Closest hits, and what a walk takes to find each: as many cells as the scalar tracer's, and about as many blocks.
+    /// Closest hits, and what each takes: as many cells as the scalar tracer, and about as many blocks.
     ///
     /// # Errors
     /// [`GpuError`], when the slices differ in length or the device fails.

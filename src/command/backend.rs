@@ -17,8 +17,8 @@ pub(crate) struct BackendArgs {
     #[arg(long, value_name = "cpu|gpu", default_value = "cpu", value_parser = backend)]
     backend: Kind,
 
-    /// The GPU: the fastest one (auto), a software adapter, or one whose name contains NAME (`leafwalk gpu` lists them).
-    /// By default what the variable LEAFWALK_ADAPTER says, else auto.
+    /// The GPU: the fastest one (auto), a software adapter, or one whose name contains NAME (`leafwalk gpu` lists
+    /// them). By default what the variable LEAFWALK_ADAPTER says, else auto.
     #[arg(long, value_name = "auto|software|NAME")]
     adapter: Option<String>,
 
@@ -69,20 +69,21 @@ pub(crate) enum Backend {
 }
 
 impl BackendArgs {
-    /// For meshes, which are built into what the backend traces best.
-    pub(crate) fn builder(&self) -> Builder {
+    /// For meshes, which are built into what the backend traces best. To be asked before the work: it refuses arguments
+    /// that do not go together.
+    pub(crate) fn builder(&self) -> Result<Builder, CommandError> {
         match self.backend {
-            Kind::Cpu => Builder::new(),
+            Kind::Cpu if self.adapter.is_some() || self.flavour.is_some() || self.or_cpu => {
+                Err(CommandError::Usage("--adapter, --flavour and --or-cpu are for GPUs: add --backend gpu"))
+            }
+            Kind::Cpu => Ok(Builder::new()),
             #[cfg(feature = "gpu")]
-            Kind::Gpu => Builder::new().step_cost(Builder::WALK_STEP_COST),
+            Kind::Gpu => Ok(Builder::new().step_cost(Builder::WALK_STEP_COST)),
         }
     }
 
     pub(crate) fn open(&self, octree: Octree<Vec<u32>>) -> Result<Backend, CommandError> {
         match self.backend {
-            Kind::Cpu if self.adapter.is_some() || self.flavour.is_some() || self.or_cpu => {
-                Err(CommandError::Usage("--adapter, --flavour and --or-cpu are for GPUs: add --backend gpu"))
-            }
             Kind::Cpu => Ok(Backend::Cpu(CpuTracer::new(octree), None)),
             #[cfg(feature = "gpu")]
             Kind::Gpu => {

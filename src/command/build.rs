@@ -26,8 +26,8 @@ pub(crate) struct BuildArgs {
     #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u32).range(0..=16))]
     max_level: Option<u32>,
 
-    /// Cost of a step over that of a triangle test, at least 0.5: lower makes smaller leaves, and a larger file. The default,
-    /// 192, is for CPUs; 64 is for GPUs, and for walks on small machines.
+    /// Cost of a step over that of a triangle test, at least 0.5: lower makes smaller leaves, and a larger file. The
+    /// default, 192, is for CPUs; 64 is for GPUs, and for walks on small machines.
     #[arg(long, value_name = "COST", value_parser = step_cost)]
     step_cost: Option<f32>,
 

@@ -47,9 +47,10 @@ mod listing {
             Ok([gpu.self_test(Flavour::Exact)?, gpu.self_test(Flavour::Fast)?].map(|test| test.promise().to_string()))
         });
         let Adapter { kind, driver, binding_bytes, buffer_bytes, storage_buffers, has_timestamps, .. } = adapter;
+        let kind = format!("{kind:?}").to_lowercase();
         let json = json!({
             "name": adapter.to_string(),
-            "kind": format!("{kind:?}").to_lowercase(),
+            "kind": kind,
             "driver": driver,
             "binding_bytes": binding_bytes,
             "buffer_bytes": buffer_bytes,
@@ -65,9 +66,8 @@ mod listing {
             Err(error) => format!("unusable: {error}"),
         };
         let text = format!(
-            "{adapter} ({}, {driver})\n  {storage_buffers} storage buffers of up to {binding_bytes} bytes, \
-             {timestamps}\n  {self_test}",
-            format!("{kind:?}").to_lowercase()
+            "{adapter} ({kind}, {driver})\n  {storage_buffers} storage buffers of up to {binding_bytes} bytes, \
+             {timestamps}\n  {self_test}"
         );
         (json, text)
     }

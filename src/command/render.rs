@@ -108,8 +108,9 @@ fn field_of_view(argument: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(args: &RenderArgs, context: &Context) -> Result<(), CommandError> {
+    let builder = args.backend.builder()?;
     context.check_output(&args.output, &[&args.input])?;
-    let Input { octree, built } = input::open(&args.input, &args.backend.builder(), context)?;
+    let Input { octree, built } = input::open(&args.input, &builder, context)?;
     let view = args.view(&View::framing(&octree.bounds(), args.fov.unwrap_or(View::FOV), args.size.aspect()));
     let camera = Camera::new(&view, args.size)?;
     let materials = built.iter().flat_map(|built| &built.mesh.materials);

@@ -51,9 +51,10 @@ Examples:
 const BATCH: usize = 1 << 22;
 
 pub(crate) fn run(args: &TraceArgs, context: &Context) -> Result<(), CommandError> {
+    let builder = args.backend.builder()?;
     context.check_output(&args.output.path, &[&args.input, &args.rays.path])?;
     let rays = rays::read(&args.rays)?;
-    let octree = input::open(&args.input, &args.backend.builder(), context)?.octree;
+    let octree = input::open(&args.input, &builder, context)?.octree;
     let backend = args.backend.open(octree)?;
     let (answers, time) = trace(&backend, &rays, context)?;
     hits::write(&args.output, &answers, context)?;

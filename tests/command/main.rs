@@ -276,6 +276,8 @@ fn wrong_usage_is_told_from_failed_work() {
         "trace sphere.lwk rays.csv -o hits.csv --flavour fast",
         "render sphere.lwk -o a.png --adapter software",
         "render sphere.lwk -o a.png --or-cpu",
+        // Before the work: the rays are not even looked for.
+        "trace sphere.lwk absent.csv -o hits.csv --flavour fast",
     ] {
         let outcome = shell.run(arguments);
         outcome.assert_code(2);

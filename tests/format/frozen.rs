@@ -1,7 +1,7 @@
 //! Version 1 is frozen: files that it once wrote are read, and answer as they did then.
 //!
-//! The files in version_1/ were written by the first release that had it, from the meshes below, by the builders that stand
-//! beside them. They are never written again: a release that builds other octrees still reads these.
+//! The files in version_1/ were written by the first release that had it, from the meshes below, by the builders that
+//! stand beside them. They are never written again: a release that builds other octrees still reads these.
 
 use std::path::Path;
 
