@@ -3,23 +3,14 @@
 //!
 //! The expected one stands here, so meshes and rays are made by operations that IEEE 754 defines to the last bit.
 
-#[path = "promises/mutants/number.rs"]
-#[allow(dead_code, reason = "tests of the promises use all of it")]
-mod number;
-#[path = "support/mod.rs"]
-mod support;
-#[path = "promises/variants.rs"]
-#[allow(dead_code, reason = "tests of the promises use all of it")]
-mod variants;
-
 use leafwalk::{BruteForce, Builder, CpuTracer, Hit, LengthMismatch, Mesh, Octree, Ray, Tracer, hit_hash};
 use leafwalk_core::Standard;
 use leafwalk_core::step::Pluecker;
-use number::{Arithmetic, Fused, Number, Sound};
-use support::meshes;
-use support::random::Random;
-use support::rays::{self, Shared};
-use variants::{Every, OneByOne, Stepping};
+use leafwalk_testing::meshes;
+use leafwalk_testing::number::{Arithmetic, Fused, Number, Sound};
+use leafwalk_testing::random::Random;
+use leafwalk_testing::rays::{self, Shared};
+use leafwalk_testing::tracers::{Every, OneByOne, Stepping};
 
 /// Only a change of the numeric contract, or of the rays below, changes it.
 const EXPECTED: u64 = 0x49a1_e5de_4378_f963;

@@ -1,15 +1,12 @@
 //! The command on a GPU. Without a software adapter the tests are reported as ignored; with LEAFWALK_REQUIRE_GPU set, they
 //! fail.
 
-mod shell;
-mod support;
-
 use std::process::ExitCode;
 
 use leafwalk::gpu::{Kind, adapters};
+use leafwalk_testing::meshes::{bumpy_sphere, icosphere};
+use leafwalk_testing::shell::{Outcome, Shell, obj};
 use libtest_mimic::{Arguments, Failed, Trial};
-use shell::{Outcome, Shell};
-use support::meshes::{bumpy_sphere, icosphere};
 
 /// What runs, by name.
 const TESTS: [(&str, fn()); 7] = [
@@ -36,9 +33,14 @@ fn main() -> ExitCode {
     libtest_mimic::run(&Arguments::from_args(), TESTS.map(trial).into()).exit_code()
 }
 
+/// An empty folder for the command of this build.
+fn shell() -> Shell {
+    Shell::new(env!("CARGO_BIN_EXE_leafwalk"))
+}
+
 fn same_answers() {
-    let shell = Shell::new();
-    shell.write("sphere.obj", shell::obj(&bumpy_sphere(3, 1)));
+    let shell = shell();
+    shell.write("sphere.obj", obj(&bumpy_sphere(3, 1)));
     let rays = (0..2000).map(|i| {
         let angle = i as f32 * 0.37;
         format!("{},0.1,0.2,{},{},0.1\n", 3.0 * angle.cos(), -angle.cos(), angle.sin() * 0.2)
@@ -65,7 +67,7 @@ fn same_answers() {
 }
 
 fn listing() {
-    let listed = Shell::new().json("gpu");
+    let listed = shell().json("gpu");
     let adapters = adapters();
     assert_eq!(listed["adapters"], adapters.len());
     for (printed, adapter) in listed["list"].as_array().expect("a list").iter().zip(adapters) {
@@ -76,8 +78,8 @@ fn listing() {
 }
 
 fn no_such_adapter() {
-    let shell = Shell::new();
-    shell.write("sphere.obj", shell::obj(&icosphere(1)));
+    let shell = shell();
+    shell.write("sphere.obj", obj(&icosphere(1)));
     let there = adapters().first().map(ToString::to_string).expect("an adapter");
     let outcome = shell.run("render sphere.obj -o a.png --backend gpu --adapter abacus");
     outcome.assert_code(1);
@@ -89,8 +91,8 @@ fn no_such_adapter() {
 
 /// Renders on the adapter that the environment picks.
 fn render_on(adapter: &str) -> Outcome {
-    let shell = Shell::new();
-    shell.write("sphere.obj", shell::obj(&icosphere(1)));
+    let shell = shell();
+    shell.write("sphere.obj", obj(&icosphere(1)));
     let mut command = shell.command("render sphere.obj -o a.png --backend gpu");
     Outcome::of(command.env("LEAFWALK_ADAPTER", adapter).output().expect("the command starts"))
 }
@@ -113,8 +115,8 @@ fn environment() {
 }
 
 fn compact() {
-    let shell = Shell::new();
-    shell.write("sphere.obj", shell::obj(&icosphere(1)));
+    let shell = shell();
+    shell.write("sphere.obj", obj(&icosphere(1)));
     shell.run("build sphere.obj -o small.lwk --compact").assert_code(0);
     let outcome = shell.run("render small.lwk -o a.png --backend gpu --adapter software");
     outcome.assert_code(1);
@@ -124,8 +126,8 @@ fn compact() {
 }
 
 fn standing_in() {
-    let shell = Shell::new();
-    shell.write("sphere.obj", shell::obj(&icosphere(2)));
+    let shell = shell();
+    shell.write("sphere.obj", obj(&icosphere(2)));
     let cpu = shell.json("render sphere.obj -o cpu.png --size 64x48");
     assert!(cpu.get("instead_of_gpu").is_none(), "{cpu}");
     let stand_in = shell.json("render sphere.obj -o stand_in.png --size 64x48 --backend gpu --adapter abacus --or-cpu");

@@ -1,14 +1,11 @@
 //! The properties that fuzzing attacks, over its saved inputs and over seeded bytes.
 
-#[path = "support/mod.rs"]
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use leafwalk_testing::properties::{decode, mesh, trace};
+use leafwalk_testing::random::Random;
 use rayon::prelude::*;
-use support::properties::{decode, mesh, trace};
-use support::random::Random;
 
 /// Seeded bytes; a quarter of them small numbers, which spell more valid things than others do.
 fn seeded(seed: u64, index: u64, longest: usize) -> Vec<u8> {
@@ -51,10 +48,14 @@ fn any_ray_is_answered_as_by_brute_force() {
 #[test]
 #[cfg(feature = "mesh-files")]
 fn any_file_reads_or_says_why_not() {
-    use support::properties::mesh_file;
+    use leafwalk::mesh_file::{Limits, load_with};
+    use leafwalk_testing::properties::mesh_file::{self, MAX_BYTES, MAX_LINE};
+
+    let limits = Limits { max_bytes: MAX_BYTES, max_line: MAX_LINE };
+    let load = |path: &Path| load_with(path, &limits).map(|file| (file.mesh, file.materials.len()));
     for extension in ["obj", "ply", "stl"] {
         let saved = saved(extension);
-        let read = saved.iter().filter(|bytes| mesh_file::check(extension, bytes)).count();
+        let read = saved.iter().filter(|bytes| mesh_file::check(extension, bytes, load)).count();
         assert!(read > 0, "no saved {extension} file can be read");
         // Edits of the saved files: bytes changed, and the file cut.
         let edits = (0..2_000u64).into_par_iter().map(|i| {
@@ -69,7 +70,7 @@ fn any_file_reads_or_says_why_not() {
             if random.below(4) == 0 {
                 bytes.truncate(random.below(bytes.len().max(1)));
             }
-            u64::from(mesh_file::check(extension, &bytes))
+            u64::from(mesh_file::check(extension, &bytes, load))
         });
         let read: u64 = edits.sum();
         println!("{extension}: {read} of 2000 edits can be read");

@@ -4,11 +4,11 @@ use core::time::Duration;
 use std::time::Instant;
 
 use leafwalk::{Hit, Mesh, Ray};
+use leafwalk_rivals::triangle;
 use obvhs::BvhBuildParams;
 use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 
 use crate::contender::{Contender, OCCLUDED};
-use crate::triangle;
 
 /// The BVH on a device.
 pub(crate) struct Cwbvh {

@@ -1,9 +1,9 @@
 //! Answers beside the CPU's.
 
 use leafwalk::{CpuTracer, Hit, Octree, Ray, Tracer};
+use leafwalk_testing::workloads::Workload;
 
 use crate::contender::OCCLUDED;
-use crate::support::workloads::Workload;
 
 /// How far, in sizes of the scene, a hit may lie from the CPU's: three orders of magnitude above what f32 rounds hits by,
 /// and one or more below the thickness of things.

@@ -8,25 +8,19 @@
 mod contender;
 mod cwbvh;
 mod judge;
-#[path = "../quantile.rs"]
-mod quantile;
 mod report;
-#[path = "../support.rs"]
-mod support;
-#[path = "../rivals/triangle.rs"]
-mod triangle;
 
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use leafwalk::{Builder, Hit, Mesh, Octree, Ray, Work};
 use leafwalk_gpu::{Flavour, Gpu, GpuTracer, Kind, Pick};
+use leafwalk_testing::{meshes, scenes, workloads};
 
 use contender::{Contender, Ours};
 use cwbvh::Cwbvh;
 use judge::Judge;
 use report::{EXACT, FAST, Report, Row};
-use support::{meshes, scenes, workloads};
 
 /// Rays of each kind whose cells and blocks are counted.
 const COUNTED: usize = 1 << 16;

@@ -4,7 +4,7 @@ use core::time::Duration;
 use std::path::Path;
 use std::{fs, io};
 
-use crate::quantile::quantile;
+use leafwalk_rivals::quantile;
 
 /// Our flavours and the rival, as tables print them.
 pub(crate) const EXACT: &str = "leafwalk exact";

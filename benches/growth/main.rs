@@ -5,20 +5,14 @@
 //! and finer ([`sizes`]), or a sphere made in code. Writes growth.csv and growth.svg.
 
 mod chart;
-#[path = "../rivals/mod.rs"]
-#[allow(dead_code, reason = "the other bench uses all of it")]
-mod rivals;
 mod sizes;
-#[path = "../support.rs"]
-mod support;
 
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use leafwalk::{Builder, Mesh};
-
-use rivals::{Prepared, Rival, ours, timed};
-use support::{meshes, scenes, workloads};
+use leafwalk_rivals::{Prepared, Rival, ours, timed};
+use leafwalk_testing::{meshes, scenes, workloads};
 
 /// Primary rays are this many squared.
 const SIDE: u32 = 512;
@@ -88,7 +82,7 @@ fn measure(mesh: &Mesh, rounds: u32) -> Vec<Point> {
     #[allow(unused_mut, reason = "features add to it")]
     let mut tracers = vec![ours::default(&octree)];
     #[cfg(feature = "embree")]
-    tracers.extend(rivals::embree::all(mesh, &rivals::embree::SETTINGS[..1]));
+    tracers.extend(leafwalk_rivals::embree::all(mesh, &leafwalk_rivals::embree::SETTINGS[..1]));
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for workload in workloads::all(&octree, mesh, false, SIDE) {
         let seconds = match workload.is_occlusion {

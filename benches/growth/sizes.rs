@@ -4,9 +4,8 @@ use core::iter::successors;
 use std::collections::{HashMap, HashSet};
 
 use leafwalk::Mesh;
-
-use crate::support::random::Random;
-use crate::support::rays::extent;
+use leafwalk_testing::random::Random;
+use leafwalk_testing::rays::extent;
 
 /// Cells of the coarsest grid, along the mesh's longest side; the dragon is left with about a thousand triangles.
 const COARSEST: f32 = 15.0;

@@ -1,8 +1,8 @@
 //! The bars that issue 3 sets, and where we stand.
 
 use crate::report::over;
-use crate::rivals::ours;
 use crate::table::{Line, Table};
+use leafwalk_rivals::ours;
 
 /// One comparison.
 struct Bar<'a> {

@@ -1,7 +1,7 @@
 //! Build times, and bytes a triangle.
 
-use crate::rivals::{Rival, ours, timed_by_wall};
 use leafwalk::{Builder, Mesh};
+use leafwalk_rivals::{Rival, ours, timed_by_wall};
 
 use crate::report::{Measure, Row};
 

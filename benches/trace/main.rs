@@ -7,14 +7,8 @@
 
 mod bars;
 mod builds;
-#[path = "../quantile.rs"]
-mod quantile;
 mod race;
 mod report;
-#[path = "../rivals/mod.rs"]
-mod rivals;
-#[path = "../support.rs"]
-mod support;
 mod table;
 mod truth;
 
@@ -22,10 +16,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use leafwalk::{Builder, Mesh};
+use leafwalk_rivals::{Rival, bvh, obvhs, ours, parry};
+use leafwalk_testing::workloads;
 
 use report::{Measure, Report, Row};
-use rivals::{Rival, bvh, obvhs, ours, parry};
-use support::workloads;
 use table::Table;
 use truth::Truth;
 
@@ -90,7 +84,7 @@ fn measure_all(arguments: &Arguments, path: &Path, table: &mut Table) {
     println!("{} rounds on one thread, by CPU time; {cores} cores; built {build}", arguments.rounds);
     println!("ours / it above 1: ours is faster");
     #[cfg(feature = "embree")]
-    println!("Embree {}", crate::rivals::embree::version());
+    println!("Embree {}", leafwalk_rivals::embree::version());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
     pool.install(|| {
         for (name, mesh, inside) in scenes(&arguments.scenes) {
@@ -130,13 +124,13 @@ fn scenes(names: &[String]) -> Vec<(String, Mesh, bool)> {
         .into_iter()
         .filter(|(_, file, _)| names.is_empty() || names.iter().any(|name| file.starts_with(name)))
         .filter_map(|(name, file, inside)| {
-            let path = support::scenes::real(file, name)?;
+            let path = leafwalk_testing::scenes::real(file, name)?;
             let mesh = leafwalk::mesh_file::load(&path).expect("a readable scene").mesh;
             Some((name.to_string(), mesh, inside))
         })
         .collect();
     if scenes.is_empty() {
-        scenes.push(("bumpy sphere".into(), support::meshes::bumpy_sphere(6, 1), false));
+        scenes.push(("bumpy sphere".into(), leafwalk_testing::meshes::bumpy_sphere(6, 1), false));
     }
     scenes
 }
@@ -193,9 +187,9 @@ fn rivals(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
         Box::new(bvh::Plain::new(mesh).0),
     ];
     #[cfg(feature = "embree")]
-    rivals.extend(crate::rivals::embree::all(mesh, &crate::rivals::embree::SETTINGS));
+    rivals.extend(leafwalk_rivals::embree::all(mesh, &leafwalk_rivals::embree::SETTINGS));
     #[cfg(feature = "tinybvh")]
-    match crate::rivals::tinybvh::Bvh8::new(mesh) {
+    match leafwalk_rivals::tinybvh::Bvh8::new(mesh) {
         Some((bvh, _)) => rivals.push(Box::new(bvh)),
         None => println!("skipped: tinybvh: this CPU has no AVX2 and FMA"),
     }

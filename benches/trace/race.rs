@@ -1,6 +1,6 @@
 //! Tracers on the same rays, in turns.
 
-use crate::rivals::{Answer, Prepared, Rival, timed};
+use leafwalk_rivals::{Answer, Prepared, Rival, timed};
 
 use crate::truth::Truth;
 

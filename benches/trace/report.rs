@@ -1,8 +1,8 @@
 //! What is measured: rows, as a table to read and for CSV.
 
-use crate::quantile::quantile;
-use crate::rivals::ours;
 use crate::table::Table;
+use leafwalk_rivals::ours;
+use leafwalk_rivals::quantile;
 
 /// The columns of the CSV, before those for the ratios of ours to the row's tracer.
 const COLUMNS: [&str; 13] = [

@@ -5,11 +5,11 @@
 
 use std::collections::HashMap;
 
-use crate::rivals::Answer;
 use glam::DVec3;
 use leafwalk::{Mesh, Octree, Parts, Ray};
 use leafwalk_core::Walk;
 use leafwalk_core::layout::ROUNDOFF;
+use leafwalk_rivals::Answer;
 
 /// How far beside a ray the rays pass that must agree with it, in roundoffs of how far away things are: twice the eight
 /// or so products of that length that a triangle test in f32 rounds, so that what counts as wrong is lost, not rounded.

@@ -1,7 +1,7 @@
 #![no_main]
-#[path = "../../tests/support/properties/mod.rs"]
-mod properties;
+
+use leafwalk_testing::properties::decode;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    properties::decode::check(bytes);
+    decode::check(bytes);
 });

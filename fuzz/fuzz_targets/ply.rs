@@ -1,7 +1,5 @@
 #![no_main]
-#[path = "../../tests/support/properties/mod.rs"]
-mod properties;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    properties::mesh_file::check("ply", bytes);
+    leafwalk_fuzz::check_mesh_file("ply", bytes);
 });

@@ -1,7 +1,7 @@
 #![no_main]
-#[path = "../../tests/support/properties/mod.rs"]
-mod properties;
+
+use leafwalk_testing::properties::trace;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    properties::trace::check(bytes);
+    trace::check(bytes);
 });

@@ -1,71 +1,83 @@
 //! The words of an octree, to be spoiled section by section and sealed again.
 
-use leafwalk::wire::{self, Header, Section, Spans, TABLE_ROW};
-use leafwalk::{DecodeError, Octree};
 use leafwalk_core::layout::{Block, Branch, IndexedBlock, Payload, Record};
+use leafwalk_core::wire::{self, Header, Section, Spans, TABLE_ROW};
+use leafwalk_core::{DecodeError, Octree};
 
 /// Where the section table starts.
 const TABLE: usize = wire::PREAMBLE_WORDS;
 
-/// Words that once were valid.
+/// The words of an octree, which were valid before they were edited.
 #[derive(Clone)]
 pub struct Edited {
+    /// All words of the file.
     pub words: Vec<u32>,
     spans: Spans,
 }
 
 impl Edited {
+    /// Copies the words of a valid octree.
     pub fn new<W: AsRef<[u32]>>(octree: &Octree<W>) -> Self {
         Self { words: octree.as_words().to_vec(), spans: Section::ALL.map(|section| octree.span(section)) }
     }
 
+    /// The words of a section.
     pub fn section(&mut self, section: Section) -> &mut [u32] {
         let (offset, length) = self.spans[section as usize];
         &mut self.words[offset as usize..][..length as usize]
     }
 
+    /// The header.
     pub fn header(&mut self) -> &mut Header {
         &mut bytemuck::cast_slice_mut(self.section(Section::Header))[0]
     }
 
+    /// The records of all nodes.
     pub fn records(&mut self) -> &mut [Record] {
         bytemuck::cast_slice_mut(self.section(Section::Records))
     }
 
+    /// The keys of all nodes.
     pub fn keys(&mut self) -> &mut [[u32; 2]] {
         bytemuck::cast_slice_mut(self.section(Section::Keys))
     }
 
+    /// The payloads of the leaves.
     pub fn payloads(&mut self) -> &mut [Payload] {
         bytemuck::cast_slice_mut(self.section(Section::Payloads))
     }
 
+    /// The blocks of a packed octree; a compact one has none.
     pub fn blocks(&mut self) -> &mut [Block] {
         bytemuck::cast_slice_mut(self.section(Section::Blocks))
     }
 
+    /// The blocks of a compact octree; a packed one has none.
     pub fn indexed_blocks(&mut self) -> &mut [IndexedBlock] {
         bytemuck::cast_slice_mut(self.section(Section::IndexedBlocks))
     }
 
+    /// The vertices of a compact octree; a packed one has none.
     pub fn vertices(&mut self) -> &mut [[f32; 3]] {
         bytemuck::cast_slice_mut(self.section(Section::Vertices))
     }
 
+    /// The nodes of the BVH.
     pub fn branches(&mut self) -> &mut [Branch] {
         bytemuck::cast_slice_mut(self.section(Section::Branches))
     }
 
+    /// The entry grid.
     pub fn grid(&mut self) -> &mut [u32] {
         self.section(Section::Grid)
     }
 
-    /// A section's row of the table: tag, offset, words.
+    /// The row of the section table that describes a section: tag, offset, number of words.
     pub fn row(&mut self, section: Section) -> &mut [u32] {
         &mut self.words[TABLE + TABLE_ROW * section as usize..][..TABLE_ROW]
     }
 
-    /// Gives a section other words, of any number; the others move.
+    /// Gives a section other words, of any number. The sections behind it move.
     pub fn replace(&mut self, section: Section, content: &[u32]) {
         let mut contents = Section::ALL.map(|section| self.section(section).to_vec());
         contents[section as usize] = content.to_vec();
@@ -78,13 +90,13 @@ impl Edited {
         wire::seal(&mut self.words, &spans);
     }
 
-    /// Makes the checksum right and decodes.
+    /// Makes the checksum right and decodes the words.
     pub fn decode(&mut self) -> Result<Octree<&[u32]>, DecodeError> {
         reseal(&mut self.words);
         Octree::from_words(&self.words)
     }
 
-    /// Decodes with one edit; the words are as before afterwards.
+    /// Decodes a copy of the words with an edit.
     pub fn decode_with(&self, edit: impl FnOnce(&mut Self)) -> Result<Octree<Vec<u32>>, DecodeError> {
         let mut edited = self.clone();
         edit(&mut edited);
@@ -93,7 +105,7 @@ impl Edited {
     }
 }
 
-/// Makes the checksum right.
+/// Makes the checksum of a file right.
 pub fn reseal(words: &mut [u32]) {
     const CHECKSUM: usize = 3;
     if words.len() > CHECKSUM {

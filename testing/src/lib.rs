@@ -1,10 +1,28 @@
-//! What tests and benches share: meshes, rays, real scenes.
-#![allow(dead_code, unreachable_pub, missing_docs, reason = "each test and bench uses a part of it")]
+//! What the tests, benches and fuzz targets of leafwalk share.
+//!
+//! | module | what it holds |
+//! | --- | --- |
+//! | [`meshes`], [`rays`], [`random`] | meshes made in code and rays aimed at them, from a seed: the same on every machine |
+//! | [`scenes`] | where the real scenes are |
+//! | [`workloads`] | the four kinds of rays that benches measure with |
+//! | [`edited`] | the words of an octree, to be spoiled section by section |
+//! | [`tracers`] | tracers that differ from those that serve, and tracers with names |
+//! | [`number`] | f32 with its arithmetic broken in one place |
+//! | [`tally`] | what a check of many rays found, and how many rays it takes |
+//! | [`properties`] | what holds for any bytes, as fuzz targets and tests demand it |
+//! | [`shell`] | the command, run in a folder of its own |
+//!
+//! The package is not published. It sees `leafwalk-core` and `leafwalk-cpu` alone, so that the packages above them can
+//! depend on it in their tests.
 
 pub mod edited;
 pub mod meshes;
+pub mod number;
 pub mod properties;
 pub mod random;
 pub mod rays;
 pub mod scenes;
+pub mod shell;
+pub mod tally;
+pub mod tracers;
 pub mod workloads;

@@ -1,12 +1,16 @@
 //! f32 with its arithmetic broken in one place, to run the triangle test on.
+//!
+//! The triangle test is generic over [`Lanes`], so it runs on a [`Number`] as it runs on `f32`. An [`Arithmetic`] says
+//! what is broken. To break a product and the sum after it as a compiler does that fuses them, a number remembers the two
+//! factors it is the product of; the sum then takes them instead of the rounded product.
 
 use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Sub};
 
 use leafwalk_core::lanes::Lanes;
 
-/// What is broken.
-pub(crate) trait Arithmetic: Copy + Sync + Send {
+/// Says what is broken; by default nothing is.
+pub trait Arithmetic: Copy + Sync + Send {
     /// Products have error terms.
     const KEEPS_ERRORS: bool = true;
     /// `a < b` does not hold for equal numbers.
@@ -18,35 +22,35 @@ pub(crate) trait Arithmetic: Copy + Sync + Send {
     const FLUSHES: bool = true;
 }
 
-/// Nothing is broken.
+/// Arithmetic in which nothing is broken.
 #[derive(Clone, Copy)]
-pub(crate) struct Sound;
+pub struct Sound;
 impl Arithmetic for Sound {}
 
-/// The differences of products in the finish are plain ones.
+/// Products have no error terms, so the differences of products in the exact finish are plain ones.
 #[derive(Clone, Copy)]
-pub(crate) struct Plain;
+pub struct Plain;
 impl Arithmetic for Plain {
     const KEEPS_ERRORS: bool = false;
 }
 
 /// `<=` for `<`: where a weight must not be negative, 0 is out.
 #[derive(Clone, Copy)]
-pub(crate) struct Lax;
+pub struct Lax;
 impl Arithmetic for Lax {
     const KEEPS_STRICT: bool = false;
 }
 
-/// Fused multiply-adds.
+/// A product and the sum it goes into round once, as a fused multiply-add.
 #[derive(Clone, Copy)]
-pub(crate) struct Fused;
+pub struct Fused;
 impl Arithmetic for Fused {
     const CONTRACTS: bool = true;
 }
 
 /// A number that remembers the factors it is the product of.
 #[derive(Clone, Copy)]
-pub(crate) struct Number<A> {
+pub struct Number<A> {
     value: f32,
     factors: Option<(f32, f32)>,
     kind: PhantomData<A>,

@@ -1,6 +1,7 @@
 //! Rays: random ones, and those aimed where methods fail.
 
-use leafwalk::{Aabb, Mesh, Ray};
+use leafwalk_core::{Aabb, Ray};
+use leafwalk_cpu::Mesh;
 
 use super::meshes::sub;
 use super::random::Random;
@@ -15,11 +16,14 @@ pub fn extent(mesh: &Mesh) -> ([f32; 3], f32) {
     (centre, (0..3).map(|k| upper[k] - lower[k]).fold(0.0, f32::max))
 }
 
-/// A point that rays can be aimed at.
+/// Where on a triangle a ray is aimed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
+    /// At one of its vertices.
     Vertex,
+    /// At a point of one of its edges.
     Edge,
+    /// At a point of its inside.
     Inside,
 }
 
@@ -99,20 +103,21 @@ pub fn hard(mesh: &Mesh, centre: [f32; 3], size: f32, random: &mut Random) -> Ra
 /// Rays a run of [`coherent`] ones.
 pub const RUN: u64 = 64;
 
-/// What the rays of a run share, beside their direction, more or less.
+/// What the rays of a run share beside their direction, which is about the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shared {
-    /// Where they start, as rays of a camera.
+    /// Where they start, as the rays of a camera do.
     Origin,
-    /// Where they end, as shadow rays.
+    /// Where they end, as shadow rays do.
     End,
-    /// Nothing.
+    /// Nothing else.
     Nothing,
-    /// All where they go, eight by eight where they start.
+    /// Where they go, for all rays, and where they start, for each eight in a row.
     Eights,
 }
 
 impl Shared {
+    /// All kinds of runs.
     pub const ALL: [Self; 4] = [Self::Origin, Self::End, Self::Nothing, Self::Eights];
 }
 

@@ -1,42 +1,51 @@
-//! A temporary folder, and the real command run in it.
-#![allow(dead_code, unreachable_pub, missing_docs, reason = "each test uses a part of it")]
+//! The command `leafwalk`, run in a temporary folder as a user runs it.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use leafwalk::Mesh;
+use leafwalk_cpu::Mesh;
 use serde_json::Value;
 
+/// A temporary folder to run a program in. It is removed with everything in it when the shell is dropped.
 pub struct Shell {
     folder: tempfile::TempDir,
+    program: PathBuf,
 }
 
-/// How a command ended.
+/// How a program ended.
 #[derive(Debug)]
 pub struct Outcome {
+    /// Its exit code, unless a signal ended it.
     pub code: Option<i32>,
+    /// What it printed.
     pub stdout: String,
+    /// What it complained of.
     pub stderr: String,
 }
 
 impl Shell {
-    pub fn new() -> Self {
-        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+    /// An empty folder for a program. Only tests of the program's own package know its path, from Cargo's variable
+    /// `CARGO_BIN_EXE_leafwalk`.
+    pub fn new(program: impl Into<PathBuf>) -> Self {
+        Self { folder: tempfile::tempdir().expect("a temporary folder"), program: program.into() }
     }
 
+    /// The path of a file in the folder.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
+    /// Writes a file.
     pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
         std::fs::write(self.path(name), bytes).expect("a file that can be written");
     }
 
+    /// The bytes of a file.
     pub fn read(&self, name: &str) -> Vec<u8> {
         std::fs::read(self.path(name)).expect("a file that can be read")
     }
 
-    /// What is in the folder, hidden files too, in alphabetical order.
+    /// The names of all files in the folder, hidden ones too, in alphabetical order.
     pub fn names(&self) -> Vec<String> {
         let entries = self.folder.path().read_dir().expect("a folder").map(|entry| entry.expect("an entry"));
         let mut names: Vec<_> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
@@ -44,25 +53,26 @@ impl Shell {
         names
     }
 
-    /// Names with what is in those that are files; a device may have no end.
+    /// The names with the bytes of those that are files; reading a device might not end.
     fn contents(&self) -> Vec<(String, Option<Vec<u8>>)> {
         let content = |name: &str| self.path(name).is_file().then(|| self.read(name));
         self.names().into_iter().map(|name| (name.clone(), content(&name))).collect()
     }
 
-    /// The command with arguments that spaces part, in the folder.
+    /// The program with arguments, which spaces separate, to be started in the folder.
     pub fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_leafwalk"));
+        let mut command = Command::new(&self.program);
         command.current_dir(self.folder.path()).args(arguments.split_whitespace());
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         command
     }
 
+    /// Runs the program to its end.
     pub fn run(&self, arguments: &str) -> Outcome {
         Outcome::of(self.command(arguments).output().expect("the command starts"))
     }
 
-    /// Runs with `--json` and returns the object.
+    /// Runs the program with `--json` and returns the object that it prints.
     #[track_caller]
     pub fn json(&self, arguments: &str) -> Value {
         let outcome = self.run(&format!("{arguments} --json"));
@@ -70,7 +80,7 @@ impl Shell {
         serde_json::from_str(&outcome.stdout).unwrap_or_else(|error| panic!("{error}: {outcome:?}"))
     }
 
-    /// Asserts that the work fails for a reason that names `reason`, says nothing on stdout and changes no file.
+    /// Asserts that the program fails with one line on stderr that names `reason`, prints nothing and changes no file.
     #[track_caller]
     pub fn assert_fails(&self, arguments: &str, reason: &str) {
         let before = self.contents();
@@ -84,11 +94,13 @@ impl Shell {
 }
 
 impl Outcome {
+    /// The outcome of a program that was started by other means.
     pub fn of(output: std::process::Output) -> Self {
         let text = |bytes| String::from_utf8(bytes).expect("text");
         Self { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
     }
 
+    /// Asserts that the program ended with this exit code.
     #[track_caller]
     pub fn assert_code(&self, code: i32) {
         assert_eq!(self.code, Some(code), "{self:?}");
@@ -102,7 +114,7 @@ pub fn obj(mesh: &Mesh) -> String {
     vertices.chain(faces).collect()
 }
 
-/// Every mesh file below a folder.
+/// The paths of all mesh files below a folder, in alphabetical order.
 pub fn mesh_files(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for entry in folder.read_dir().expect("a folder").map(|entry| entry.expect("an entry").path()) {

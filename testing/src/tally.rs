@@ -1,30 +1,32 @@
-//! What a check of many rays found. The same checks judge the real tracers and the mutants.
+//! What a check of many rays found, and how many rays it takes. The same checks judge the real tracers and the mutants.
 
 use core::ops::Range;
 
-use leafwalk::{Hit, LengthMismatch, Tracer};
+use leafwalk_core::Hit;
 use rayon::prelude::*;
 
-/// Any backend.
-pub(crate) type Any<'a> = &'a (dyn Tracer<Error = LengthMismatch> + Sync);
-
-/// Rays checked, and what was wrong.
+/// How many rays were checked, and what was wrong.
 #[derive(Default)]
-pub(crate) struct Tally {
-    pub(crate) rays: u64,
-    pub(crate) hits: u64,
-    pub(crate) faults: u64,
+pub struct Tally {
+    /// Rays that were checked.
+    pub rays: u64,
+    /// Those among them that hit something.
+    pub hits: u64,
+    /// What was wrong, over all rays.
+    pub faults: u64,
     /// The fault of the smallest index: all it takes to see it again.
-    pub(crate) first: Option<(u64, String)>,
+    pub first: Option<(u64, String)>,
 }
 
 impl Tally {
-    pub(crate) fn hit(&mut self, is_hit: bool) {
+    /// Counts a ray, and whether it hit something.
+    pub fn hit(&mut self, is_hit: bool) {
         self.rays += 1;
         self.hits += u64::from(is_hit);
     }
 
-    pub(crate) fn fault(&mut self, index: u64, what: impl FnOnce() -> String) {
+    /// Counts a fault of the ray `index`; `what` describes it.
+    pub fn fault(&mut self, index: u64, what: impl FnOnce() -> String) {
         self.faults += 1;
         if self.first.as_ref().is_none_or(|(first, _)| index < *first) {
             self.first = Some((index, what()));
@@ -38,7 +40,7 @@ impl Tally {
 
     /// Prints the counts; fails with the first fault, or when fewer than a share of the rays hit anything.
     #[track_caller]
-    pub(crate) fn passes(&self, name: &str, least_hits: f64) {
+    pub fn passes(&self, name: &str, least_hits: f64) {
         println!("{name}: {} rays, {} hits, {} faults", self.rays, self.hits, self.faults);
         if let Some((_, first)) = &self.first {
             panic!("{name}: {} faults in {} rays; the first: {first}", self.faults, self.rays);
@@ -49,14 +51,17 @@ impl Tally {
 
     /// Prints the counts; fails when the check let a mutant through.
     #[track_caller]
-    pub(crate) fn catches(&self, mutant: &str) {
+    pub fn catches(&self, mutant: &str) {
         println!("mutant, {mutant}: {} faults in {} rays", self.faults, self.rays);
         assert!(self.faults > 0, "the check does not notice: {mutant}");
     }
 }
 
-/// `count` scaled by the variable LEAFWALK_RAYS, a factor that is 1 when unset.
-pub(crate) fn scaled(count: u64) -> u64 {
+/// `count` times the factor that the environment variable LEAFWALK_RAYS holds, which is 1 when it is unset; at least 1.
+///
+/// # Panics
+/// When the variable holds no number.
+pub fn scaled(count: u64) -> u64 {
     let factor = std::env::var("LEAFWALK_RAYS").map_or(1.0, |factor| {
         factor.parse::<f64>().unwrap_or_else(|_| panic!("LEAFWALK_RAYS is '{factor}': give a factor such as 50"))
     });
@@ -66,8 +71,8 @@ pub(crate) fn scaled(count: u64) -> u64 {
 /// Rays a batch at most.
 const BATCH: u64 = 4096;
 
-/// Checks the indices below `count` in batches, on every core.
-pub(crate) fn tally(count: u64, check: impl Fn(Range<u64>, &mut Tally) + Sync) -> Tally {
+/// Checks the rays of the indices below `count` in batches, on every core.
+pub fn tally(count: u64, check: impl Fn(Range<u64>, &mut Tally) + Sync) -> Tally {
     // Few rays are split as well: they may be slow ones.
     let batch = count.div_ceil(64).clamp(1, BATCH);
     (0..count.div_ceil(batch))
@@ -80,7 +85,7 @@ pub(crate) fn tally(count: u64, check: impl Fn(Range<u64>, &mut Tally) + Sync) -
         .reduce(Tally::default, Tally::join)
 }
 
-/// A hit, all of it.
-pub(crate) fn bits(hit: &Hit) -> [u32; 4] {
+/// All bits of a hit.
+pub fn bits(hit: &Hit) -> [u32; 4] {
     [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive]
 }

@@ -1,6 +1,8 @@
-//! The four kinds of rays that benches measure with: primary, shadow, bounce, random.
+//! The four kinds of rays that benches measure with: primary rays (P), shadow rays (S), diffuse bounces (D) and random
+//! chords (R).
 
-use leafwalk::{Aabb, BruteForce, CpuTracer, Hit, Octree, Ray, Tracer};
+use leafwalk_core::{Aabb, Hit, Octree, Ray, Tracer};
+use leafwalk_cpu::{CpuTracer, Mesh};
 
 use super::meshes::{cross, dot, sub};
 use super::random::Random;
@@ -10,13 +12,15 @@ use super::rays;
 pub struct Workload {
     /// `P`, `S`, `D` or `R`.
     pub name: &'static str,
+    /// The rays, in the order in which they are traced.
     pub rays: Vec<Ray>,
-    /// Only whether something is hit matters.
+    /// Whether only the existence of a hit is asked for.
     pub is_occlusion: bool,
 }
 
-/// All four, for a scene; `side` squared primary rays, and as many of the others as hits allow.
-pub fn all<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &leafwalk::Mesh, inside: bool, side: u32) -> Vec<Workload> {
+/// The rays of all four kinds for a scene: `side` squared primary rays, as many chords, and a shadow ray and a bounce for
+/// each primary ray that hits. `inside` says that the scene is seen from inside, as a room is.
+pub fn all<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &Mesh, inside: bool, side: u32) -> Vec<Workload> {
     let bounds = octree.bounds();
     let primary = if inside { panorama(&bounds, side) } else { rays::primary(&bounds, side) };
     let mut hits = vec![Hit::MISS; primary.len()];
@@ -59,7 +63,7 @@ fn panorama(bounds: &Aabb, side: u32) -> Vec<Ray> {
 }
 
 /// The hit point, lifted off the surface towards the ray's origin, and the normal on that side.
-fn lifted(mesh: &leafwalk::Mesh, ray: &Ray, hit: &Hit) -> ([f32; 3], [f32; 3]) {
+fn lifted(mesh: &Mesh, ray: &Ray, hit: &Hit) -> ([f32; 3], [f32; 3]) {
     let [a, b, c] = mesh.corners(hit.primitive as usize);
     let mut n = cross(sub(b, a), sub(c, a));
     if dot(n, ray.direction) > 0.0 {
@@ -94,9 +98,4 @@ fn chord(bounds: &Aabb, random: &mut Random) -> Ray {
     };
     let (a, b): ([f32; 3], [f32; 3]) = (on_sphere(), on_sphere());
     Ray::new(a, sub(b, a))
-}
-
-/// The hits of every n-th ray that brute force gives, to assert answers by.
-pub fn sample(oracle: &BruteForce, rays: &[Ray], every: usize) -> Vec<(usize, Option<Hit>)> {
-    (0..rays.len()).step_by(every).map(|i| (i, oracle.closest_hit(&rays[i]))).collect()
 }

@@ -1,12 +1,11 @@
 //! Leaves of more than eight blocks: nothing is cut off.
 
 use leafwalk::{BruteForce, Builder, Mesh, verify_against};
+use leafwalk_testing::meshes;
+use leafwalk_testing::properties::trace::check_ray;
+use leafwalk_testing::random::Random;
+use leafwalk_testing::rays;
 use rayon::prelude::*;
-
-use crate::support::meshes;
-use crate::support::properties::trace::check_ray;
-use crate::support::random::Random;
-use crate::support::rays;
 
 fn check(name: &str, mesh: &Mesh, level: u32) {
     let octree = Builder::new().max_level(level).build(mesh).unwrap();

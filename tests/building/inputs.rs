@@ -1,11 +1,10 @@
 //! Every bad or strange mesh: a typed error, or an octree that verifies and answers as brute force does.
 
 use leafwalk::{BruteForce, BuildError, Builder, Mesh, Octree, Ray, verify_against};
-
-use crate::support::meshes;
-use crate::support::properties::trace::check_ray;
-use crate::support::random::Random;
-use crate::support::rays;
+use leafwalk_testing::meshes;
+use leafwalk_testing::properties::trace::check_ray;
+use leafwalk_testing::random::Random;
+use leafwalk_testing::rays;
 
 /// Builds, verifies, and traces hard rays against brute force; returns the octree and how many rays hit.
 fn sound(mesh: &Mesh, count: u64) -> (Octree<Vec<u32>>, usize) {

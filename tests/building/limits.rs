@@ -5,8 +5,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use std::sync::Mutex;
 
 use leafwalk::{BuildError, Builder, Mesh, verify};
-
-use crate::support::meshes;
+use leafwalk_testing::meshes;
 
 /// References that even a small mesh may make (the builder's documented floor).
 const LEAST_BUDGET: usize = 4096;

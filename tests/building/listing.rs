@@ -5,10 +5,9 @@ use std::collections::HashSet;
 
 use leafwalk::{Builder, Mesh};
 use leafwalk_core::layout::{Key, PADDING};
+use leafwalk_testing::meshes;
+use leafwalk_testing::random::Random;
 use rayon::prelude::*;
-
-use crate::support::meshes;
-use crate::support::random::Random;
 
 /// Clipping in f64 moves a corner by less; a part that is left of the cell shrunk by it really meets the cell.
 const CERTAIN: f64 = 1.0 / (1u64 << 46) as f64;

@@ -1,8 +1,5 @@
 //! The builder: what it makes of any mesh, within which limits, and that its lists are complete.
 
-#[path = "../support/mod.rs"]
-mod support;
-
 mod chains;
 mod inputs;
 mod limits;

@@ -4,8 +4,7 @@ use std::collections::HashMap;
 
 use leafwalk::{Builder, Mesh, Octree};
 use leafwalk_core::layout::{Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME};
-
-use crate::support::meshes;
+use leafwalk_testing::meshes;
 
 fn scenes() -> Vec<(&'static str, Mesh)> {
     let mut clump = meshes::walls(20, 61);

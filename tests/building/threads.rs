@@ -1,8 +1,7 @@
 //! The same bytes for any number of threads.
 
 use leafwalk::{Builder, Mesh};
-
-use crate::support::meshes;
+use leafwalk_testing::meshes;
 
 fn words(builder: &Builder, mesh: &Mesh, threads: usize) -> Vec<u32> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -4,9 +4,8 @@ use leafwalk::wire::Section;
 use leafwalk::{Builder, Mesh, Octree, VerifyError, verify, verify_against};
 use leafwalk_core::layout::{Child, NONE, Payload};
 use leafwalk_cpu::Spoiled;
-
-use crate::support::edited::Edited;
-use crate::support::meshes;
+use leafwalk_testing::edited::Edited;
+use leafwalk_testing::meshes;
 
 fn scene() -> (Mesh, Octree<Vec<u32>>) {
     let mesh = meshes::soup(400, 81);

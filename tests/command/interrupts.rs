@@ -17,7 +17,7 @@ fn interrupt(child: Child) -> Outcome {
 
 #[test]
 fn a_long_build_stops_and_leaves_nothing() {
-    let shell = Shell::new();
+    let shell = shell();
     // The last face is warned of when the mesh has been read.
     shell.write("soup.obj", obj(&soup(200_000, 7)) + "f 1 2\n");
     let mut child = shell.command("build soup.obj -o soup.lwk --threads 1 --budget 1000").spawn().expect("a start");

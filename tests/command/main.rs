@@ -3,21 +3,24 @@
 
 #[cfg(unix)]
 mod interrupts;
-#[path = "../shell/mod.rs"]
-mod shell;
-#[path = "../support/mod.rs"]
-mod support;
+mod picture;
+mod rays;
 
 use leafwalk::wire::{Section, checksum};
 use leafwalk::{Builder, Octree};
-use shell::{Outcome, Shell, mesh_files, obj};
-use support::meshes::{bumpy_sphere, icosphere, soup};
+use leafwalk_testing::meshes::{bumpy_sphere, icosphere, soup};
+use leafwalk_testing::shell::{Outcome, Shell, mesh_files, obj};
 
 /// Rays from all sides at a unit sphere, and one that is invalid.
 const RAYS: &str = "0,0,0,1,0,0\n3,0.1,0,-1,0,0\n0,9,0,0,1,0\n0,0,0,0,0,0\n";
 
+/// An empty folder for the command of this build.
+fn shell() -> Shell {
+    Shell::new(env!("CARGO_BIN_EXE_leafwalk"))
+}
+
 fn with_sphere() -> Shell {
-    let shell = Shell::new();
+    let shell = shell();
     shell.write("sphere.obj", obj(&bumpy_sphere(3, 1)));
     shell.write("rays.csv", RAYS);
     shell
@@ -120,7 +123,7 @@ fn a_compact_octree_answers_as_a_packed_one() {
 
 #[test]
 fn lost_detail_is_warned_of() {
-    let shell = Shell::new();
+    let shell = shell();
     // The second triangle is a millionth of a millionth of the first.
     shell.write(
         "two.obj",
@@ -194,7 +197,7 @@ fn another_mesh_is_told_from_the_one_built() {
 
 #[test]
 fn bad_meshes_are_refused() {
-    let shell = Shell::new();
+    let shell = shell();
     shell.write("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
     shell.write("infinite.obj", "v 0 0 0\nv 1 0 0\nv 0 1e39 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n");
     shell.write("mesh.xyz", "0 0 0\n");
@@ -301,7 +304,7 @@ fn a_build_without_gpus_says_how_to_get_one_that_has_them() {
 
 #[test]
 fn help_shows_examples_of_every_command() {
-    let shell = Shell::new();
+    let shell = shell();
     for command in ["", "render", "build", "info", "verify", "trace", "gpu"] {
         let help = shell.run(&format!("{command} --help"));
         help.assert_code(0);
@@ -327,7 +330,7 @@ fn real_scenes_go_through_every_command() {
     let scenes = mesh_files(folder.as_ref());
     assert!(!scenes.is_empty(), "LEAFWALK_SCENES names a folder without meshes");
     for scene in scenes {
-        let shell = Shell::new();
+        let shell = shell();
         let scene = scene.display();
         let built = shell.json(&format!("build {scene} -o scene.lwk"));
         let info = shell.json("info scene.lwk");
@@ -338,7 +341,7 @@ fn real_scenes_go_through_every_command() {
         assert_eq!(counted, built["triangles"].as_u64(), "{scene}");
 
         let octree = leafwalk::load(shell.path("scene.lwk")).expect("a file that was just verified");
-        let rays = support::rays::primary(&octree.bounds(), 32);
+        let rays = leafwalk_testing::rays::primary(&octree.bounds(), 32);
         let row = |ray: &leafwalk::Ray| {
             let [[x, y, z], [dx, dy, dz]] = [ray.origin, ray.direction];
             format!("{x},{y},{z},{dx},{dy},{dz},{},{}\n", ray.t_min, ray.t_max)

@@ -1,14 +1,12 @@
 //! The pictures that the command draws, decoded and looked at.
-#![cfg(feature = "cli")]
-
-mod shell;
-mod support;
 
 use std::io::Cursor;
 
 use leafwalk::Mesh;
-use shell::{Outcome, Shell, mesh_files, obj};
-use support::meshes::icosphere;
+use leafwalk_testing::meshes::icosphere;
+use leafwalk_testing::shell::{Outcome, Shell, mesh_files, obj};
+
+use super::shell;
 
 /// A decoded picture.
 #[derive(Debug, PartialEq)]
@@ -49,7 +47,7 @@ fn shades() -> [&'static str; 5] {
 
 #[test]
 fn the_default_picture_shows_the_room_and_is_the_same_for_any_number_of_threads() {
-    let (one, two) = (Shell::new(), Shell::new());
+    let (one, two) = (shell(), shell());
     let start = |shell: &Shell, arguments: &str| shell.command(arguments).spawn().expect("the command starts");
     let runs = [start(&one, "--threads 1 --json"), start(&two, "--threads 2 --json")];
     let [report, _] = runs.map(|run| {
@@ -84,7 +82,7 @@ fn the_default_picture_shows_the_room_and_is_the_same_for_any_number_of_threads(
 
 #[test]
 fn a_mesh_and_its_octree_give_the_same_picture_in_every_shade() {
-    let shell = Shell::new();
+    let shell = shell();
     shell.write("sphere.obj", obj(&icosphere(4)));
     shell.run("build sphere.obj -o sphere.lwk").assert_code(0);
     for shade in shades() {
@@ -105,7 +103,7 @@ fn a_mesh_and_its_octree_give_the_same_picture_in_every_shade() {
 
 #[test]
 fn shades_show_what_they_say() {
-    let shell = Shell::new();
+    let shell = shell();
     // A square that faces the camera at distance 4, and one behind it to the right at distance 6.
     shell.write(
         "squares.obj",
@@ -140,7 +138,7 @@ fn shades_show_what_they_say() {
 
 #[test]
 fn light_and_materials_of_the_mesh_are_shown() {
-    let shell = Shell::new();
+    let shell = shell();
     // A red floor, and a blue plate above its far part, which shades it.
     let floor = "usemtl red\nv -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 4 3 2 1\n";
     let plate = "usemtl blue\nv -2 1 -2\nv 0 1 -2\nv 0 1 2\nv -2 1 2\nf 8 7 6 5\n";
@@ -162,7 +160,7 @@ fn light_and_materials_of_the_mesh_are_shown() {
 
 #[test]
 fn wrong_cameras_are_refused() {
-    let shell = Shell::new();
+    let shell = shell();
     shell.write("sphere.obj", obj(&icosphere(1)));
     let wrong = [
         "--size 0x10",
@@ -200,7 +198,7 @@ fn wrong_cameras_are_refused() {
 
 #[test]
 fn failures_leave_nothing_behind() {
-    let shell = Shell::new();
+    let shell = shell();
     shell.write("sphere.obj", obj(&icosphere(1)));
     shell.write("broken.obj", "v 0 0 0\nf 1 2 3\n");
     shell.write("broken.lwk", b"lwok");
@@ -216,7 +214,7 @@ fn failures_leave_nothing_behind() {
 
 #[test]
 fn meshes_without_extent_are_drawn() {
-    let shell = Shell::new();
+    let shell = shell();
     let point = Mesh::new(vec![[3.0, 4.0, 5.0]; 3], vec![[0, 1, 2]]);
     let far = Mesh::new(vec![[1e30, 0.0, 0.0], [0.0, 1e30, 0.0], [0.0, 0.0, -1e30]], vec![[0, 1, 2]]);
     let tiny = Mesh::new(vec![[1e-30, 0.0, 0.0], [0.0, 1e-30, 0.0], [0.0, 0.0, 1e-30]], vec![[0, 1, 2]]);
@@ -239,7 +237,7 @@ fn real_scenes_fill_their_pictures() {
         return;
     };
     for file in mesh_files(folder.as_ref()) {
-        let shell = Shell::new();
+        let shell = shell();
         let mut command = shell.command("render --size 64x48 -o out.png --json");
         let outcome = Outcome::of(command.arg(&file).output().expect("the command starts"));
         outcome.assert_code(0);

@@ -1,14 +1,12 @@
 //! Rays in and hits out through `leafwalk trace`, in every form that files may have.
-#![cfg(feature = "cli")]
-
-mod shell;
-mod support;
 
 use leafwalk::{Builder, Hit, Octree, Ray, hit_hash};
+use leafwalk_testing::meshes::bumpy_sphere;
+use leafwalk_testing::random::Random;
+use leafwalk_testing::shell::{Shell, obj};
 use npyz::{DType, NpyFile, Order, WriterBuilder};
-use shell::Shell;
-use support::meshes::bumpy_sphere;
-use support::random::Random;
+
+use super::shell;
 
 const RAYS: u64 = 300;
 const NAMES: [&str; 8] = ["ox", "oy", "oz", "dx", "dy", "dz", "t_min", "t_max"];
@@ -43,7 +41,7 @@ fn ray(row: &[f64]) -> Ray {
 }
 
 fn sphere() -> (Shell, Octree<Vec<u32>>) {
-    let shell = Shell::new();
+    let shell = shell();
     let octree = Builder::new().build(&bumpy_sphere(3, 1)).expect("a mesh that can be built");
     leafwalk::save(&octree, shell.path("sphere.lwk")).expect("a folder of ours");
     (shell, octree)
@@ -192,7 +190,7 @@ fn no_rays_are_no_failure() {
 #[test]
 fn a_mesh_can_stand_for_its_octree() {
     let (shell, octree) = sphere();
-    shell.write("sphere.obj", shell::obj(&bumpy_sphere(3, 1)));
+    shell.write("sphere.obj", obj(&bumpy_sphere(3, 1)));
     shell.write("rays.npy", npy("<f4", Order::C, 6));
     shell.run("trace sphere.obj rays.npy -o hits.npy").assert_code(0);
     assert_same(&read_npy(&shell.read("hits.npy")), &expected(&octree, 6), "built in memory");

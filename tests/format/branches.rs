@@ -3,8 +3,8 @@
 use leafwalk::wire::Section;
 use leafwalk::{Builder, DecodeError, Mesh};
 use leafwalk_core::layout::{BRANCH_WIDTH, Branch, CORNER, Child, MAX_DEPTH, NONE};
+use leafwalk_testing::edited::Edited;
 
-use crate::support::edited::Edited;
 use crate::{chains, levels, refused};
 
 #[track_caller]

@@ -3,9 +3,9 @@
 use leafwalk::wire::Section;
 use leafwalk::{Builder, DecodeError, Octree};
 use leafwalk_core::layout::{IndexedBlock, MESH_MARGIN, NONE, SMALLEST};
+use leafwalk_testing::edited::Edited;
+use leafwalk_testing::meshes;
 
-use crate::support::edited::Edited;
-use crate::support::meshes;
 use crate::{compact, levels, refused};
 
 /// The vertices that a lane names.

@@ -3,8 +3,8 @@
 use leafwalk::DecodeError;
 use leafwalk::wire::Header;
 use leafwalk_core::layout::{Block, MESH_MARGIN, NONE, PADDING, Payload, SMALLEST};
+use leafwalk_testing::edited::Edited;
 
-use crate::support::edited::Edited;
 use crate::{chains, compact, levels, refused};
 
 #[test]

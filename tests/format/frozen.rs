@@ -8,9 +8,8 @@ use std::path::Path;
 use leafwalk::wire::Section;
 use leafwalk::{Builder, Hit, Mesh, Octree, Ray, Tracer, hit_hash, verify_against};
 use leafwalk_core::layout::{LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, NONE, Record};
-
-use crate::support::random::Random;
-use crate::support::{meshes, rays};
+use leafwalk_testing::random::Random;
+use leafwalk_testing::{meshes, rays};
 
 /// A file, what it was built from, and what it answered.
 struct Frozen {

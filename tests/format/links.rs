@@ -2,9 +2,9 @@
 
 use leafwalk::DecodeError;
 use leafwalk_core::layout::{LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, LINK_SHIFT};
+use leafwalk_testing::edited::Edited;
+use leafwalk_testing::random::Random;
 
-use crate::support::edited::Edited;
-use crate::support::random::Random;
 use crate::{levels, refused};
 
 #[track_caller]

@@ -1,8 +1,5 @@
 //! P6: whatever is wrong with the words, decoding says so, by name and number; and what it accepts is as it was.
 
-#[path = "../support/mod.rs"]
-mod support;
-
 mod branches;
 mod compact;
 mod contents;
@@ -13,8 +10,8 @@ mod round_trip;
 mod tree;
 
 use leafwalk::{Builder, DecodeError};
-use support::edited::Edited;
-use support::meshes;
+use leafwalk_testing::edited::Edited;
+use leafwalk_testing::meshes;
 
 /// Levels 0 to 6 or so, with neighbours of the same size, coarser and finer.
 fn levels() -> Edited {

@@ -3,9 +3,9 @@
 use leafwalk::wire::{PREAMBLE_WORDS, Section, TABLE_ROW};
 use leafwalk::{DecodeError, Octree};
 use leafwalk_core::layout::SECTION_ALIGN;
+use leafwalk_testing::edited::reseal;
+use leafwalk_testing::random::Random;
 
-use crate::support::edited::reseal;
-use crate::support::random::Random;
 use crate::{chains, compact, levels, refused};
 
 #[test]

@@ -6,9 +6,9 @@ use leafwalk_core::layout::{
     BLOCK_WORDS, Block, INDEXED_BLOCK_WORDS, IndexedBlock, KEY_WORDS, Key, PAYLOAD_WORDS, Payload, RECORD_WORDS,
     Record, SECTION_ALIGN,
 };
+use leafwalk_testing::random::Random;
+use leafwalk_testing::{meshes, rays};
 
-use crate::support::random::Random;
-use crate::support::{meshes, rays};
 use crate::{chains, compact, levels};
 
 #[test]

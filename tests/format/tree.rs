@@ -3,8 +3,8 @@
 use leafwalk::wire::Section;
 use leafwalk::{Builder, DecodeError, Mesh, RecordFault};
 use leafwalk_core::layout::{CHAINED, MAX_LEVEL, Record, RecordHead};
+use leafwalk_testing::edited::Edited;
 
-use crate::support::edited::Edited;
 use crate::{chains, levels, refused};
 
 /// Numbers of all records but the vacant ones.

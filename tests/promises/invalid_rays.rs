@@ -3,11 +3,10 @@
 use leafwalk::{Builder, CpuTracer, Hit, Octree, Ray, Tracer, Work};
 use leafwalk_core::step::{Pluecker, Slab, Step};
 use leafwalk_core::{Standard, Walk};
-
-use crate::support::meshes;
-use crate::support::random::Random;
-use crate::support::rays::hex;
-use crate::tally::bits;
+use leafwalk_testing::meshes;
+use leafwalk_testing::random::Random;
+use leafwalk_testing::rays::hex;
+use leafwalk_testing::tally::bits;
 
 fn sphere() -> Octree<Vec<u32>> {
     Builder::new().build(&meshes::icosphere(3)).expect("a mesh that builds")

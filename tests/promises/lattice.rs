@@ -6,9 +6,8 @@ use leafwalk_core::lanes::{Bits, Lanes};
 use leafwalk_core::layout::{Key, LATTICE};
 use leafwalk_core::step::{self, Cell, Exit, Pluecker, Slab, Step};
 use leafwalk_core::{Standard, Walk};
-
-use crate::support::rays::hex;
-use crate::tally::{Tally, tally};
+use leafwalk_testing::rays::hex;
+use leafwalk_testing::tally::{Tally, tally};
 
 /// Edge of the root in the caller's units: that of the smallest cell is 1.
 const EDGE: i32 = 16;

@@ -1,8 +1,5 @@
 //! The promises, each with its test. LEAFWALK_RAYS, a factor, scales the numbers of rays.
 
-#[path = "../support/mod.rs"]
-mod support;
-
 mod geometry;
 mod invalid_rays;
 mod lattice;
@@ -11,6 +8,4 @@ mod mutants;
 mod oracle;
 mod same_answer;
 mod scenes;
-mod tally;
-mod variants;
 mod watertight;

@@ -6,13 +6,14 @@ use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use glam::DVec3;
 use leafwalk::{Frame, Hit, Mesh, Ray};
 use leafwalk_core::layout::ROUNDOFF;
+use leafwalk_testing::random::Random;
+use leafwalk_testing::tally::{Tally, scaled, tally};
+use leafwalk_testing::tracers::Any;
+use leafwalk_testing::{meshes, rays};
 
 use crate::geometry::{corners, point};
 use crate::same_answer::{Source, hard};
 use crate::scenes::{self, Scene};
-use crate::support::random::Random;
-use crate::support::{meshes, rays};
-use crate::tally::{Any, Tally, scaled, tally};
 
 /// How far the point `origin + t * direction` and the barycentric point of a hit may lie from each other, in roundoffs
 /// of the root's edge, on top of the rounding of the reported t.

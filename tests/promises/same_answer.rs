@@ -3,13 +3,13 @@
 use leafwalk::{Builder, CpuTracer, Hit, Mesh, Ray, Tracer, Work};
 use leafwalk_core::Standard;
 use leafwalk_core::step::{Pluecker, Slab};
+use leafwalk_testing::random::Random;
+use leafwalk_testing::rays::Shared;
+use leafwalk_testing::tally::{Tally, bits, scaled, tally};
+use leafwalk_testing::tracers::{Any, Named, OneByOne, Stepping};
+use leafwalk_testing::{meshes, rays};
 
 use crate::scenes::{self, Scene};
-use crate::support::random::Random;
-use crate::support::rays::Shared;
-use crate::support::{meshes, rays};
-use crate::tally::{Any, Tally, bits, scaled, tally};
-use crate::variants::{OneByOne, Stepping};
 
 /// A ray of numbers that depend on nothing but the seed and the index.
 pub(crate) type Source<'a> = &'a (dyn Fn(&mut Random) -> Ray + Sync);
@@ -22,7 +22,7 @@ pub(crate) fn hard(mesh: &Mesh) -> impl Fn(&mut Random) -> Ray + Sync + use<'_> 
 
 /// The rays on which a tracer differs from another that is right; half of the hits are traced with the ray cut next to
 /// them instead.
-pub(crate) fn differences(tracers: &[Any<'_>], oracle: Any<'_>, source: Source<'_>, count: u64, seed: u64) -> Tally {
+pub(crate) fn differences(tracers: &[Named<'_>], oracle: Any<'_>, source: Source<'_>, count: u64, seed: u64) -> Tally {
     tally(count, |indices, tally| {
         let mut randoms: Vec<Random> = indices.clone().map(|index| Random::new(seed, index)).collect();
         let mut rays: Vec<Ray> = randoms.iter_mut().map(source).collect();
@@ -42,7 +42,7 @@ pub(crate) fn differences(tracers: &[Any<'_>], oracle: Any<'_>, source: Source<'
         for hit in &expected {
             tally.hit(!hit.is_miss());
         }
-        for (number, tracer) in tracers.iter().enumerate() {
+        for (name, tracer) in tracers {
             tracer.closest_hits(&rays, &mut found).expect("equal lengths");
             tracer.occlusions(&rays, &mut occluded).expect("equal lengths");
             for (i, index) in indices.clone().enumerate() {
@@ -50,7 +50,7 @@ pub(crate) fn differences(tracers: &[Any<'_>], oracle: Any<'_>, source: Source<'
                     tally.fault(index, || {
                         let (found, occluded, expected) = (found[i], occluded[i], expected[i]);
                         let ray = rays::hex(&rays[i]);
-                        let place = format!("tracer {number}, seed {seed}, ray {index}");
+                        let place = format!("{name}, seed {seed}, ray {index}");
                         format!("{place}: {found:?}, occluded {occluded}, expected {expected:?}\n{ray}")
                     });
                 }
@@ -72,23 +72,38 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
     let portable = batches.clone().portable();
     let (singles, portable_singles) = (OneByOne(&batches), OneByOne(&portable));
     let (streamed, portable_streamed) = (batches.clone().streamed(), portable.clone().streamed());
-    let scalar: [Any<'_>; 3] = [&scene.octree, &slab, &pluecker];
     let in_flight = batches.clone().in_flight();
-    let lanes: [Any<'_>; 4] = [&batches, &singles, &streamed, &in_flight];
-    let portable_lanes: [Any<'_>; 3] = [&portable, &portable_singles, &portable_streamed];
-    let tracers: Vec<Any<'_>> = [&scalar[..], &lanes, &portable_lanes].concat();
+    let tracers: [Named<'_>; 10] = [
+        ("the octree", &scene.octree),
+        ("the walk with slab steps", &slab),
+        ("the walk with Plücker steps", &pluecker),
+        ("batches", &batches),
+        ("single rays", &singles),
+        ("streams", &streamed),
+        ("rays in flight", &in_flight),
+        ("portable batches", &portable),
+        ("portable single rays", &portable_singles),
+        ("portable streams", &portable_streamed),
+    ];
     differences(&tracers, &scene.brute_force, &hard(mesh), scaled(count), seed).passes(name, 0.05);
     // What is right by now is the oracle for the compact octree.
     let compact = CpuTracer::new(scene.compact.view());
     let (streamed, in_flight) = (compact.clone().streamed(), compact.clone().in_flight());
-    let tracers: [Any<'_>; 5] = [&scene.compact, &compact, &OneByOne(&compact), &streamed, &in_flight];
+    let tracers: [Named<'_>; 5] = [
+        ("the compact octree", &scene.compact),
+        ("compact batches", &compact),
+        ("compact single rays", &OneByOne(&compact)),
+        ("compact streams", &streamed),
+        ("compact rays in flight", &in_flight),
+    ];
     differences(&tracers, &scene.octree, &hard(mesh), scaled(count / 8), seed + 700)
         .passes(&format!("{name}, compact"), 0.05);
     let (centre, size) = rays::extent(mesh);
     for (shares, seed) in Shared::ALL.into_iter().zip(seed + 500..) {
         let coherent = |random: &mut Random| rays::coherent(shares, mesh, centre, size, random);
         let name = format!("{name}, runs that share {shares:?}");
-        let batches: [Any<'_>; 3] = [&batches, &portable, &compact];
+        let batches: [Named<'_>; 3] =
+            [("batches", &batches), ("portable batches", &portable), ("compact batches", &compact)];
         differences(&batches, &scene.brute_force, &coherent, scaled(count / 12), seed).passes(&name, 0.1);
     }
 }

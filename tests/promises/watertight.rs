@@ -4,15 +4,15 @@ use glam::DVec3;
 use leafwalk::{CpuTracer, Hit, Mesh, Ray};
 use leafwalk_core::Standard;
 use leafwalk_core::step::Pluecker;
+use leafwalk_testing::meshes;
+use leafwalk_testing::random::Random;
+use leafwalk_testing::rays::{self, Target, hex};
+use leafwalk_testing::tally::{Tally, scaled, tally};
+use leafwalk_testing::tracers::{Named, OneByOne, Stepping};
 use rayon::prelude::*;
 
 use crate::geometry::{corners, distance_to_triangle, point, winding};
 use crate::scenes::{self, Scene};
-use crate::support::meshes;
-use crate::support::random::Random;
-use crate::support::rays::{self, Target, hex};
-use crate::tally::{Any, Tally, scaled, tally};
-use crate::variants::{OneByOne, Stepping};
 
 /// Rays of each kind at each mesh; LEAFWALK_RAYS=50 makes 1e7 of each at the four meshes made in code.
 const RAYS: u64 = 50_000;
@@ -82,7 +82,7 @@ fn at(primitive: usize, mesh: &Mesh, origin: [f32; 3], target: Target, random: &
 /// The rays from inside that a tracer lets through.
 pub(crate) fn misses(
     aim: Aim,
-    tracers: &[Any<'_>],
+    tracers: &[Named<'_>],
     mesh: &Mesh,
     inside: &[Inside],
     target: Target,
@@ -94,7 +94,7 @@ pub(crate) fn misses(
         let rays: Vec<Ray> = indices.clone().map(ray).collect();
         let mut hits = vec![Hit::MISS; rays.len()];
         let mut occluded = vec![false; rays.len()];
-        for (number, tracer) in tracers.iter().enumerate() {
+        for (name, tracer) in tracers {
             tracer.closest_hits(&rays, &mut hits).expect("equal lengths");
             tracer.occlusions(&rays, &mut occluded).expect("equal lengths");
             for (i, index) in indices.clone().enumerate() {
@@ -102,7 +102,7 @@ pub(crate) fn misses(
                     tally.fault(index, || {
                         let ray = hex(&rays[i]);
                         format!(
-                            "tracer {number}, {target:?}, seed {seed}, ray {index}: {:?}, occluded {}\n{ray}",
+                            "{name}, {target:?}, seed {seed}, ray {index}: {:?}, occluded {}\n{ray}",
                             hits[i], occluded[i]
                         )
                     });
@@ -122,22 +122,27 @@ fn check(name: &str, mesh: &Mesh, scene: &Scene, origins: u64, rays: u64, seed: 
     let compact = CpuTracer::new(scene.compact.view());
     let pluecker = Stepping::<Pluecker, Standard>::new(&parts);
     for target in [Target::Edge, Target::Vertex] {
-        let check = |tracers: &[Any<'_>], name: &str, rays: u64, seed: u64| {
+        let check = |tracers: &[Named<'_>], name: &str, rays: u64, seed: u64| {
             let tally = misses(aimed, tracers, mesh, &inside, target, scaled(rays), seed);
             tally.passes(&format!("P1, {name}, {target:?}, {} origins", inside.len()), 1.0);
         };
-        check(&[&threads], name, rays, seed);
-        let together =
-            misses(aimed_together, &[&threads, &compact], mesh, &inside, target, scaled(rays / 5), seed + 2000);
+        check(&[("batches", &threads)], name, rays, seed);
+        let batches: [Named<'_>; 2] = [("batches", &threads), ("compact batches", &compact)];
+        let together = misses(aimed_together, &batches, mesh, &inside, target, scaled(rays / 5), seed + 2000);
         together.passes(&format!("P1, {name}, {target:?}, coherent rays"), 1.0);
         // What P2 compares anyway takes a sample.
-        check(
-            &[&scene.octree, &pluecker, &OneByOne(&threads)],
-            &format!("{name}, in other ways"),
-            rays / 10,
-            seed + 1000,
-        );
-        check(&[&scene.compact, &compact, &OneByOne(&compact)], &format!("{name}, compact"), rays / 20, seed + 3000);
+        let others: [Named<'_>; 3] = [
+            ("the octree", &scene.octree),
+            ("the walk with Plücker steps", &pluecker),
+            ("single rays", &OneByOne(&threads)),
+        ];
+        check(&others, &format!("{name}, in other ways"), rays / 10, seed + 1000);
+        let compact: [Named<'_>; 3] = [
+            ("the compact octree", &scene.compact),
+            ("compact batches", &compact),
+            ("compact single rays", &OneByOne(&compact)),
+        ];
+        check(&compact, &format!("{name}, compact"), rays / 20, seed + 3000);
     }
 }
 

@@ -56,14 +56,14 @@ fn form(ray: &Ray) -> Form {
 }
 
 /// The crate's only structure.
-pub(crate) struct Plain {
+pub struct Plain {
     bvh: Bvh<f32, 3>,
     shapes: Vec<Shape>,
 }
 
 impl Plain {
     /// Builds it; with the time that took.
-    pub(crate) fn new(mesh: &Mesh) -> (Self, Duration) {
+    pub fn new(mesh: &Mesh) -> (Self, Duration) {
         let shape = |(primitive, triangle): (u32, &obvhs::triangle::Triangle)| {
             let corners = [triangle.v0, triangle.v1, triangle.v2].map(|corner| Point3::from(corner.to_array()));
             let bounds = corners.iter().fold(Aabb::empty(), |bounds, corner| bounds.grow(corner));

@@ -24,10 +24,10 @@ use scene::{Device, Scene};
 type Setting = (&'static str, c_int);
 
 /// By default, ROBUST and COMPACT.
-pub(crate) const SETTINGS: [Setting; 3] = [("", NO_FLAGS), ("ROBUST ", ROBUST), ("COMPACT ", COMPACT)];
+pub const SETTINGS: [Setting; 3] = [("", NO_FLAGS), ("ROBUST ", ROBUST), ("COMPACT ", COMPACT)];
 
 /// All ways to call Embree on this machine, under each of some settings.
-pub(crate) fn all(mesh: &Mesh, settings: &[Setting]) -> Vec<Box<dyn Rival>> {
+pub fn all(mesh: &Mesh, settings: &[Setting]) -> Vec<Box<dyn Rival>> {
     let mut ways = vec![
         ("single", Calls::Single, INCOHERENT),
         ("stream", Calls::Stream, INCOHERENT),
@@ -50,7 +50,7 @@ pub(crate) fn all(mesh: &Mesh, settings: &[Setting]) -> Vec<Box<dyn Rival>> {
 }
 
 /// The version of the library that is linked, such as 31305.
-pub(crate) fn version() -> isize {
+pub fn version() -> isize {
     Device::new().property(VERSION)
 }
 

@@ -9,34 +9,37 @@ use std::time::Instant;
 use cpu_time::ProcessTime;
 use leafwalk::{Mesh, Ray};
 
-pub(crate) mod bvh;
+pub mod bvh;
 #[cfg(feature = "embree")]
 #[allow(unsafe_code, reason = "a binding to C")]
-pub(crate) mod embree;
-pub(crate) mod obvhs;
-pub(crate) mod ours;
-pub(crate) mod parry;
+pub mod embree;
+pub mod obvhs;
+pub mod ours;
+pub mod parry;
+mod quantile;
 #[cfg(feature = "tinybvh")]
 #[allow(unsafe_code, reason = "a binding to C++")]
-pub(crate) mod tinybvh;
-mod triangle;
+pub mod tinybvh;
+pub mod triangle;
+
+pub use quantile::quantile;
 
 /// The closest hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Answer {
+pub struct Answer {
     /// In multiples of the ray's direction; infinity for a miss.
-    pub(crate) t: f32,
+    pub t: f32,
     /// The triangle; any number for a miss.
-    pub(crate) primitive: u32,
+    pub primitive: u32,
 }
 
 impl Answer {
     /// Nothing was hit.
-    pub(crate) const MISS: Self = Self { t: f32::INFINITY, primitive: u32::MAX };
+    pub const MISS: Self = Self { t: f32::INFINITY, primitive: u32::MAX };
 }
 
 /// A tracer under measurement.
-pub(crate) trait Rival {
+pub trait Rival {
     /// As tables print it.
     fn name(&self) -> &str;
     /// Whether it is ours, whatever its name.
@@ -54,7 +57,7 @@ pub(crate) trait Rival {
 }
 
 /// Rays in a tracer's own form, and room for their answers.
-pub(crate) trait Prepared<A> {
+pub trait Prepared<A> {
     /// Undoes what tracing did to the rays. Not timed.
     fn reset(&mut self) {}
     /// Traces all rays: this is timed.
@@ -94,14 +97,14 @@ impl<R, H, A, T: Fn(&R) -> H, C: Fn(&R, &H) -> A> Prepared<A> for OneByOne<R, H,
 
 /// Runs something and says how much time all threads of this process spent on it together. Others who use the same
 /// cores hardly disturb it.
-pub(crate) fn timed<T>(run: impl FnOnce() -> T) -> (T, Duration) {
+pub fn timed<T>(run: impl FnOnce() -> T) -> (T, Duration) {
     let start = ProcessTime::now();
     let result = run();
     (result, start.elapsed())
 }
 
 /// Runs something and says how long it took by the clock on the wall.
-pub(crate) fn timed_by_wall<T>(run: impl FnOnce() -> T) -> (T, Duration) {
+pub fn timed_by_wall<T>(run: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     let result = run();
     (result, start.elapsed())

@@ -25,7 +25,7 @@ fn in_order(triangles: &[obvhs::triangle::Triangle], order: &[u32]) -> Vec<RtTri
 macro_rules! rival {
     ($(#[$about:meta])* $rival:ident, $name:literal, $bvh:ty, $build:ident) => {
         $(#[$about])*
-        pub(crate) struct $rival {
+        pub struct $rival {
             bvh: $bvh,
             /// In traversal order.
             triangles: Vec<RtTriangle>,
@@ -33,7 +33,7 @@ macro_rules! rival {
 
         impl $rival {
             /// Builds it; with the time that took.
-            pub(crate) fn new(mesh: &Mesh) -> (Self, Duration) {
+            pub fn new(mesh: &Mesh) -> (Self, Duration) {
                 let triangles = triangle::all(mesh);
                 timed(|| {
                     let bvh = $build(&triangles, BvhBuildParams::slow_build(), &mut Duration::default());

@@ -9,26 +9,26 @@ use leafwalk::{Builder, CpuTracer, Hit, LengthMismatch, Mesh, Octree, Ray, Trace
 use super::{Answer, Prepared, Rival, timed};
 
 /// What a user gets who asks for nothing special.
-pub(crate) const DEFAULT: &str = "leafwalk";
+pub const DEFAULT: &str = "leafwalk";
 /// One ray a call, one number at a time.
 const SCALAR: &str = "leafwalk scalar";
 /// One ray a call.
-pub(crate) const SINGLE: &str = "leafwalk single";
+pub const SINGLE: &str = "leafwalk single";
 /// Over a compact octree.
 const COMPACT: &str = "leafwalk compact";
 /// Over a compact octree, one ray a call.
 const COMPACT_SINGLE: &str = "leafwalk compact single";
 /// As tables list them.
-pub(crate) const NAMES: [&str; 5] = [DEFAULT, SCALAR, SINGLE, COMPACT, COMPACT_SINGLE];
+pub const NAMES: [&str; 5] = [DEFAULT, SCALAR, SINGLE, COMPACT, COMPACT_SINGLE];
 
 /// What most users get.
-pub(crate) fn default(octree: &Octree<Vec<u32>>) -> Box<dyn Rival + '_> {
+pub fn default(octree: &Octree<Vec<u32>>) -> Box<dyn Rival + '_> {
     ours(DEFAULT, octree, CpuTracer::new(octree.view()))
 }
 
 /// All tracers of ours, over an octree and the compact one of the same mesh. A further one takes a line here, and its name
 /// above.
-pub(crate) fn all<'a>(octree: &'a Octree<Vec<u32>>, compact: &'a Octree<Vec<u32>>) -> Vec<Box<dyn Rival + 'a>> {
+pub fn all<'a>(octree: &'a Octree<Vec<u32>>, compact: &'a Octree<Vec<u32>>) -> Vec<Box<dyn Rival + 'a>> {
     let view = octree.view();
     vec![
         default(octree),

@@ -9,11 +9,11 @@ use parry3d::shape::{CompositeShapeRef, TriMesh};
 use super::{Answer, OneByOne, Prepared, Rival, timed};
 
 /// The BVH of a triangle mesh.
-pub(crate) struct Parry(TriMesh);
+pub struct Parry(TriMesh);
 
 impl Parry {
     /// Builds it; with the time that took.
-    pub(crate) fn new(mesh: &Mesh) -> (Self, Duration) {
+    pub fn new(mesh: &Mesh) -> (Self, Duration) {
         let vertices = mesh.positions.iter().map(|p| Vector::from_array(*p)).collect();
         let triangles = mesh.triangles.clone();
         timed(|| Self(TriMesh::new(vertices, triangles).expect("a mesh with triangles")))

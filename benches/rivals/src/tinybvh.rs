@@ -125,7 +125,7 @@ impl Drop for Library {
 }
 
 /// The tracer.
-pub(crate) struct Bvh8 {
+pub struct Bvh8 {
     library: Library,
     bytes: usize,
     /// The library looks at them again whenever it likes.
@@ -134,7 +134,7 @@ pub(crate) struct Bvh8 {
 
 impl Bvh8 {
     /// Builds it, with the time that took; `None` on a CPU that it does not run on.
-    pub(crate) fn new(mesh: &Mesh) -> Option<(Self, Duration)> {
+    pub fn new(mesh: &Mesh) -> Option<(Self, Duration)> {
         if !(is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")) {
             return None;
         }

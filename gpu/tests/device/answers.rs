@@ -5,10 +5,10 @@ use std::sync::LazyLock;
 use leafwalk::{Hit, Ray, Tracer, Work};
 use leafwalk_core::Walk;
 use leafwalk_gpu::{Flavour, Gpu, Promise};
+use leafwalk_testing::{meshes, rays};
 
 use crate::Test;
 use crate::scenes::{self, Scene, differing};
-use crate::support::{meshes, rays};
 
 pub(crate) const TESTS: &[Test] = &[
     ("exact hits, occlusions and cells are the scalar tracer's", exact),

@@ -2,11 +2,11 @@
 
 use leafwalk::{Hit, LengthMismatch, Ray, Tracer, Work};
 use leafwalk_gpu::{Flavour, Gpu, GpuError};
+use leafwalk_testing::meshes;
 
 use crate::Test;
 use crate::answers::hits;
 use crate::scenes::{self, Scene, differing};
-use crate::support::meshes;
 
 pub(crate) const TESTS: &[Test] = &[
     ("batches of any size", sizes),

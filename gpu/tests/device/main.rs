@@ -7,7 +7,6 @@ mod batches;
 mod scenes;
 mod splitting;
 mod staying;
-mod support;
 
 use std::process::ExitCode;
 

@@ -3,9 +3,8 @@
 use std::sync::LazyLock;
 
 use leafwalk::{Builder, Hit, Mesh, Octree, Ray, mesh_file};
-
-use crate::support::random::Random;
-use crate::support::{meshes, rays, scenes};
+use leafwalk_testing::random::Random;
+use leafwalk_testing::{meshes, rays, scenes};
 
 /// A mesh and its octree.
 pub(crate) struct Scene {

@@ -5,11 +5,11 @@ use std::sync::OnceLock;
 use leafwalk::wire::{self, PREAMBLE_WORDS, Section, TABLE_ROW};
 use leafwalk::{Builder, Octree};
 use leafwalk_gpu::{Flavour, Gpu, GpuError, GpuTracer};
+use leafwalk_testing::meshes;
 
 use crate::Test;
 use crate::answers::hits;
 use crate::scenes::{self, Scene, differing};
-use crate::support::meshes;
 
 pub(crate) const TESTS: &[Test] = &[
     ("an octree in two to six bindings", small),

@@ -3,11 +3,11 @@
 use leafwalk::{Hit, Ray};
 use leafwalk_gpu::ray::DeviceRay;
 use leafwalk_gpu::{Flavour, Gpu, GpuError, Pinhole};
+use leafwalk_testing::meshes;
 
 use crate::Test;
 use crate::answers::hits;
 use crate::scenes::{self, Scene, differing};
-use crate::support::meshes;
 
 pub(crate) const TESTS: &[Test] = &[
     ("camera rays made on the device are the CPU's", cameras),

@@ -1,35 +1,39 @@
-//! Bytes read as numbers; zeros where they end.
+//! Reads bytes as numbers of all kinds. Where the bytes end, all further numbers are 0.
 
-/// What is left to read.
-pub struct Bytes<'a>(&'a [u8]);
+/// The bytes that are not read yet.
+pub(super) struct Bytes<'a>(&'a [u8]);
 
 impl<'a> Bytes<'a> {
-    pub fn new(bytes: &'a [u8]) -> Self {
+    /// All of these bytes.
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self(bytes)
     }
 
-    pub fn is_empty(&self) -> bool {
+    /// Whether all bytes are read.
+    pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    pub fn byte(&mut self) -> u8 {
+    /// The next byte.
+    pub(super) fn byte(&mut self) -> u8 {
         let Some((first, rest)) = self.0.split_first() else { return 0 };
         self.0 = rest;
         *first
     }
 
-    pub fn word(&mut self) -> u32 {
+    /// Four bytes as a word.
+    pub(super) fn word(&mut self) -> u32 {
         u32::from_le_bytes(core::array::from_fn(|_| self.byte()))
     }
 
-    /// In 0..n.
-    pub fn below(&mut self, n: usize) -> usize {
+    /// Two bytes as an integer in 0..n.
+    pub(super) fn below(&mut self, n: usize) -> usize {
         let number = u16::from_le_bytes([self.byte(), self.byte()]);
         usize::from(number) % n.max(1)
     }
 
     /// A coordinate where methods fail: on a coarse lattice or one ULP off it, small, huge, or any bits at all.
-    pub fn coordinate(&mut self) -> f32 {
+    pub(super) fn coordinate(&mut self) -> f32 {
         let kind = self.byte();
         let on_lattice = f32::from(self.byte()) / 64.0 - 2.0;
         match kind % 8 {
@@ -41,7 +45,8 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    pub fn point(&mut self) -> [f32; 3] {
+    /// Three coordinates.
+    pub(super) fn point(&mut self) -> [f32; 3] {
         core::array::from_fn(|_| self.coordinate())
     }
 }

@@ -2,9 +2,10 @@
 
 use std::sync::LazyLock;
 
-use leafwalk::wire::{self, Section};
-use leafwalk::{Builder, Mesh, Octree, Ray, verify};
 use leafwalk_core::layout::{MAGIC, VERSION};
+use leafwalk_core::wire::{self, Section};
+use leafwalk_core::{Octree, Ray};
+use leafwalk_cpu::{Builder, Mesh, verify};
 
 use super::bytes::Bytes;
 

@@ -1,6 +1,7 @@
 //! Any mesh: a typed error, or an octree that verifies and answers as brute force does.
 
-use leafwalk::{BruteForce, BuildError, Builder, Mesh, verify_against};
+use leafwalk_core::Ray;
+use leafwalk_cpu::{BruteForce, BuildError, Builder, Mesh, verify_against};
 
 use super::bytes::Bytes;
 use super::trace::{check_ray, ray};
@@ -62,7 +63,7 @@ fn check_strict(builder: &Builder, mesh: &Mesh) {
     let corners: Vec<_> = mesh.triangles.iter().flatten().map(|i| mesh.positions[*i as usize]).collect();
     for pair in corners.windows(2).take(RAYS) {
         let direction = core::array::from_fn(|k| pair[1][k] - pair[0][k]);
-        check_ray(&octree, &oracle, &leafwalk::Ray::between(pair[0], direction, -1.0, 2.0));
+        check_ray(&octree, &oracle, &Ray::between(pair[0], direction, -1.0, 2.0));
     }
     let mut spelled = Bytes::new(bytemuck::cast_slice(&corners));
     for _ in 0..RAYS {

@@ -2,7 +2,8 @@
 
 use std::sync::LazyLock;
 
-use leafwalk::{BruteForce, Builder, Hit, Mesh, Octree, Ray};
+use leafwalk_core::{Hit, Octree, Ray};
+use leafwalk_cpu::{BruteForce, Builder, Mesh};
 
 use super::bytes::Bytes;
 
@@ -29,7 +30,8 @@ pub fn check_ray(octree: &Octree<impl AsRef<[u32]>>, oracle: &BruteForce, ray: &
     assert_eq!(octree.occluded(ray), expected.is_some(), "occluded, {ray:?}");
 }
 
-pub fn ray(bytes: &mut Bytes<'_>) -> Ray {
+/// The ray that bytes spell.
+pub(super) fn ray(bytes: &mut Bytes<'_>) -> Ray {
     let (origin, direction) = (bytes.point(), bytes.point());
     let (t_min, t_max) = match bytes.byte() % 4 {
         0 | 1 => (0.0, f32::INFINITY),

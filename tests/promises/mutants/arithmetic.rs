@@ -1,15 +1,15 @@
 //! Mutants of the triangle test.
 
 use leafwalk::{Mesh, Octree};
+use leafwalk_testing::meshes;
+use leafwalk_testing::number::{Arithmetic, Fused, Lax, Number, Plain, Sound};
+use leafwalk_testing::rays::Target;
+use leafwalk_testing::tally::Tally;
+use leafwalk_testing::tracers::{Every, Visited};
 
-use super::number::{Arithmetic, Fused, Lax, Number, Plain, Sound};
 use crate::oracle;
 use crate::same_answer::{differences, hard};
 use crate::scenes::Scene;
-use crate::support::meshes;
-use crate::support::rays::Target;
-use crate::tally::Tally;
-use crate::variants::{Every, Visited};
 use crate::watertight::{aimed, inside, misses};
 
 const RAYS: u64 = 20_000;
@@ -18,14 +18,15 @@ const RAYS: u64 = 20_000;
 fn leaks<A: Arithmetic>(mesh: &Mesh, target: Target) -> Tally {
     let scene = Scene::new(mesh);
     let inside = inside(mesh, scene.octree.parts().frame.scale(), 256, 51);
-    misses(aimed, &[&Every::<Number<A>>::of(&scene.octree)], mesh, &inside, target, RAYS, 51)
+    let every = Every::<Number<A>>::of(&scene.octree);
+    misses(aimed, &[("every triangle", &every)], mesh, &inside, target, RAYS, 51)
 }
 
 /// P2, the arithmetic being the same on both sides.
 fn disagreements<A: Arithmetic>(mesh: &Mesh, octree: &Octree<Vec<u32>>) -> Tally {
     let parts = octree.parts();
     let visited = Visited::<Number<A>>::of(&parts);
-    differences(&[&visited], &Every::<Number<A>>::of(octree), &hard(mesh), RAYS, 52)
+    differences(&[("the visited leaves' triangles", &visited)], &Every::<Number<A>>::of(octree), &hard(mesh), RAYS, 52)
 }
 
 /// Hits off their triangles.

@@ -4,13 +4,13 @@ use leafwalk::{Builder, CpuTracer, Mesh, Octree, Ray};
 use leafwalk_core::step::{Pluecker, Slab};
 use leafwalk_core::{Policy, Standard};
 use leafwalk_cpu::Spoiled;
+use leafwalk_testing::random::Random;
+use leafwalk_testing::rays::{Shared, Target, extent, point_on};
+use leafwalk_testing::tally::{Tally, scaled};
+use leafwalk_testing::tracers::{Every, Named, OneByOne, Stepping};
+use leafwalk_testing::{meshes, rays};
 
 use crate::same_answer::{Source, differences, hard};
-use crate::support::random::Random;
-use crate::support::rays::{Shared, Target, extent, point_on};
-use crate::support::{meshes, rays};
-use crate::tally::{Tally, scaled};
-use crate::variants::{Every, OneByOne, Stepping};
 use crate::watertight::{aimed, inside, misses};
 
 const RAYS: u64 = 20_000;
@@ -20,7 +20,8 @@ pub(crate) fn under<P: Policy + Sync>(octree: &Octree<Vec<u32>>, source: Source<
     let parts = octree.parts();
     let slab = Stepping::<Slab, P>::new(&parts);
     let pluecker = Stepping::<Pluecker, P>::new(&parts);
-    differences(&[&slab, &pluecker], &Every::<f32>::of(octree), source, scaled(RAYS), seed)
+    let tracers: [Named<'_>; 2] = [("slab steps", &slab), ("Plücker steps", &pluecker)];
+    differences(&tracers, &Every::<f32>::of(octree), source, scaled(RAYS), seed)
 }
 
 #[derive(Clone, Copy)]
@@ -68,7 +69,8 @@ fn collinear_triangles_dropped() {
     let check = |spoiled| {
         let octree = Builder::new().spoil(spoiled).build(&mesh).expect("a mesh that builds");
         let inside = inside(&mesh, octree.parts().frame.scale(), 256, 63);
-        misses(aimed, &[&octree, &CpuTracer::new(octree.view())], &mesh, &inside, Target::Edge, RAYS, 63)
+        let tracers: [Named<'_>; 2] = [("the octree", &octree), ("batches", &CpuTracer::new(octree.view()))];
+        misses(aimed, &tracers, &mesh, &inside, Target::Edge, RAYS, 63)
     };
     check(Spoiled::Nothing).passes("collinear triangles kept, P1", 1.0);
     check(Spoiled::CollinearTriangles).catches("collinear triangles dropped");
@@ -145,7 +147,8 @@ fn boxes_too_small() {
         let batches = CpuTracer::new(octree.view());
         let singles = OneByOne(&batches);
         let every = Every::<f32>::of(&octree);
-        differences(&[&batches, &singles], &every, &hard(&mesh), scaled(RAYS), 65)
+        let tracers: [Named<'_>; 2] = [("batches", &batches), ("single rays", &singles)];
+        differences(&tracers, &every, &hard(&mesh), scaled(RAYS), 65)
     };
     check(Spoiled::Nothing).passes("whole boxes, P2", 0.05);
     check(Spoiled::Boxes).catches("boxes a lattice step too small");
@@ -160,7 +163,8 @@ fn beams_too_narrow() {
     let (centre, size) = extent(&mesh);
     for (shares, seed) in Shared::ALL.into_iter().zip(66..) {
         let source = |random: &mut Random| rays::coherent(shares, &mesh, centre, size, random);
-        let check = |tracer: &CpuTracer<&[u32]>| differences(&[tracer], &every, &source, scaled(RAYS), seed);
+        let check =
+            |tracer: &CpuTracer<&[u32]>| differences(&[("batches", tracer)], &every, &source, scaled(RAYS), seed);
         for tracer in [CpuTracer::new(octree.view()), CpuTracer::new(octree.view()).portable()] {
             check(&tracer).passes(&format!("whole beams, runs that share {shares:?}"), 0.1);
             check(&tracer.with_beam_margin(-1e-3)).catches(&format!("beams too narrow, runs that share {shares:?}"));
@@ -176,7 +180,7 @@ fn triangles_forgotten_by_some_rays() {
     let every = Every::<f32>::of(&octree);
     let (centre, size) = extent(&mesh);
     let source = |random: &mut Random| rays::coherent(Shared::Eights, &mesh, centre, size, random);
-    let check = |tracer: &CpuTracer<&[u32]>| differences(&[tracer], &every, &source, scaled(RAYS), 67);
+    let check = |tracer: &CpuTracer<&[u32]>| differences(&[("batches", tracer)], &every, &source, scaled(RAYS), 67);
     for tracer in [CpuTracer::new(octree.view()), CpuTracer::new(octree.view()).portable()] {
         check(&tracer).passes("tests of all rays", 0.05);
         check(&tracer.forgetting_rays()).catches("tests of some rays taken for all");

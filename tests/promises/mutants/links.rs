@@ -3,8 +3,7 @@
 use leafwalk::wire::{Section, seal};
 use leafwalk::{Builder, DecodeError, Octree};
 use leafwalk_core::layout::RECORD_WORDS;
-
-use crate::support::meshes;
+use leafwalk_testing::meshes;
 
 /// Words of a record before its neighbours.
 const BEFORE_NEIGHBOURS: usize = 2;

@@ -4,7 +4,6 @@ mod arithmetic;
 mod clauses;
 mod lattice;
 mod links;
-mod number;
 mod padding;
 mod stop;
 mod vertices;

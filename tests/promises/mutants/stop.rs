@@ -9,11 +9,11 @@
 use leafwalk::Ray;
 use leafwalk_core::{Policy, Standard};
 use leafwalk_cpu::Spoiled;
+use leafwalk_testing::random::Random;
+use leafwalk_testing::rays::towards;
 
 use super::clauses::under;
 use super::lattice::{on_lattice, steps};
-use crate::support::random::Random;
-use crate::support::rays::towards;
 
 /// Leaves of 1/8 of the root.
 const LEVEL: u32 = 3;

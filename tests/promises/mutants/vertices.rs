@@ -1,12 +1,12 @@
 //! Mutants of compact octrees: one vertex number off.
 
 use leafwalk::{Builder, CpuTracer};
+use leafwalk_testing::edited::Edited;
+use leafwalk_testing::meshes;
+use leafwalk_testing::tally::scaled;
+use leafwalk_testing::tracers::{Every, Named, OneByOne};
 
 use crate::same_answer::{differences, hard};
-use crate::support::edited::Edited;
-use crate::support::meshes;
-use crate::tally::scaled;
-use crate::variants::{Every, OneByOne};
 
 #[test]
 fn one_vertex_number_off() {
@@ -23,7 +23,9 @@ fn one_vertex_number_off() {
     let wrong = wrong.expect("a number that decodes");
     let check = |octree: &leafwalk::Octree<Vec<u32>>| {
         let tracer = CpuTracer::new(octree.view());
-        differences(&[octree, &tracer, &OneByOne(&tracer)], &oracle, &hard(&mesh), scaled(10_000), 72)
+        let tracers: [Named<'_>; 3] =
+            [("the octree", octree), ("batches", &tracer), ("single rays", &OneByOne(&tracer))];
+        differences(&tracers, &oracle, &hard(&mesh), scaled(10_000), 72)
     };
     check(&right).passes("every vertex number right, P2", 0.05);
     check(&wrong).catches("one vertex number off");

@@ -1,13 +1,19 @@
-//! Tracers that differ from the one that serves: by the kind of step, by the policy, by the arithmetic of the triangle
-//! test. Whatever the variant, the suite is the same.
+//! Tracers that differ from those that serve: by the kind of step, by the clauses of the contract they keep, by the
+//! arithmetic of the triangle test, or by how they are called. The same checks judge them all.
 
 use core::marker::PhantomData;
 
-use leafwalk::{CanonicalRay, CpuTracer, Frame, Hit, LengthMismatch, Octree, Parts, Ray, Tracer};
 use leafwalk_core::lanes::Lanes;
 use leafwalk_core::step::Step;
 use leafwalk_core::triangle::{Shear, intersect};
-use leafwalk_core::{Policy, Walk, one_by_one};
+use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Octree, Parts, Policy, Ray, Tracer, Walk, one_by_one};
+use leafwalk_cpu::CpuTracer;
+
+/// Any tracer, whatever it traces.
+pub type Any<'a> = &'a (dyn Tracer<Error = LengthMismatch> + Sync);
+
+/// A tracer, and what messages call it.
+pub type Named<'a> = (&'a str, Any<'a>);
 
 /// Implements [`Tracer`] by a method `answer(&self, &Ray) -> Option<Hit>`.
 macro_rules! tracer {
@@ -26,11 +32,12 @@ macro_rules! tracer {
     };
 }
 
-/// The scalar walk by a kind of step, under a policy.
-pub(crate) struct Stepping<'a, S, P>(Walk<'a, S, P>);
+/// The scalar walk with steps of one kind, which keeps the clauses that a policy names.
+pub struct Stepping<'a, S, P>(Walk<'a, S, P>);
 
 impl<'a, S: Step, P: Policy> Stepping<'a, S, P> {
-    pub(crate) fn new(parts: &'a Parts<'a>) -> Self {
+    /// Walks this octree.
+    pub fn new(parts: &'a Parts<'a>) -> Self {
         Self(Walk::with(parts))
     }
 
@@ -44,8 +51,8 @@ impl<'a, S: Step, P: Policy> Stepping<'a, S, P> {
 }
 tracer!(Stepping<S: Step, P: Policy>);
 
-/// The batch tracer asked ray by ray.
-pub(crate) struct OneByOne<'a, W>(pub(crate) &'a CpuTracer<W>);
+/// The CPU's tracer, called with one ray at a time.
+pub struct OneByOne<'a, W>(pub &'a CpuTracer<W>);
 
 impl<W: AsRef<[u32]> + Sync> OneByOne<'_, W> {
     fn answer(&self, ray: &Ray) -> Option<Hit> {
@@ -58,19 +65,20 @@ impl<W: AsRef<[u32]> + Sync> OneByOne<'_, W> {
 }
 tracer!(OneByOne<W: Words>);
 
-/// Words of an octree.
-pub(crate) trait Words: AsRef<[u32]> + Sync {}
+/// The words of an octree, which several threads read.
+pub trait Words: AsRef<[u32]> + Sync {}
 impl<W: AsRef<[u32]> + Sync> Words for W {}
 
-/// Every triangle that an octree lists, tested by any arithmetic.
-pub(crate) struct Every<'a, L> {
+/// Tests every triangle that an octree lists, in the arithmetic `L`.
+pub struct Every<'a, L> {
     frame: Frame,
     triangles: Vec<(u32, [[f32; 3]; 3])>,
     kind: PhantomData<&'a L>,
 }
 
 impl<L: Lanes<Mask = bool, Bits = u32>> Every<'_, L> {
-    pub(crate) fn of<W: AsRef<[u32]>>(octree: &Octree<W>) -> Self {
+    /// Collects the triangles of an octree.
+    pub fn of<W: AsRef<[u32]>>(octree: &Octree<W>) -> Self {
         let parts = octree.parts();
         let mut triangles: Vec<_> = parts.leaves().flat_map(|(_, leaf)| parts.triangles_of(leaf)).collect();
         triangles.sort_unstable_by_key(|(primitive, _)| *primitive);
@@ -89,14 +97,15 @@ impl<L: Lanes<Mask = bool, Bits = u32>> Every<'_, L> {
 }
 tracer!(Every<L: ScalarLanes>);
 
-/// The triangles of the leaves that a walk visits, tested by any arithmetic.
-pub(crate) struct Visited<'a, L> {
+/// Tests the triangles of the leaves that a walk visits, in the arithmetic `L`.
+pub struct Visited<'a, L> {
     parts: &'a Parts<'a>,
     kind: PhantomData<L>,
 }
 
 impl<'a, L: Lanes<Mask = bool, Bits = u32>> Visited<'a, L> {
-    pub(crate) fn of(parts: &'a Parts<'a>) -> Self {
+    /// Walks this octree.
+    pub fn of(parts: &'a Parts<'a>) -> Self {
         Self { parts, kind: PhantomData }
     }
 
@@ -114,11 +123,11 @@ impl<'a, L: Lanes<Mask = bool, Bits = u32>> Visited<'a, L> {
 }
 tracer!(Visited<L: ScalarLanes>);
 
-/// Lanes of one number.
-pub(crate) trait ScalarLanes: Lanes<Mask = bool, Bits = u32> {}
+/// The arithmetic of single numbers.
+pub trait ScalarLanes: Lanes<Mask = bool, Bits = u32> {}
 impl<L: Lanes<Mask = bool, Bits = u32>> ScalarLanes for L {}
 
-/// What a canonical ray hits, with t'.
+/// All triangles that a canonical ray hits; `t` is that of the canonical ray.
 fn hits<L: ScalarLanes>(
     ray: &CanonicalRay,
     triangles: impl Iterator<Item = (u32, [[f32; 3]; 3])>,
