@@ -4,8 +4,9 @@
 //! The expected one stands here, so meshes and rays are made by operations that IEEE 754 defines to the last bit.
 
 use leafwalk::{BruteForce, Builder, CpuTracer, Hit, LengthMismatch, Mesh, Octree, Ray, Tracer, hit_hash};
-use leafwalk_core::Standard;
 use leafwalk_core::step::Pluecker;
+use leafwalk_core::testing::Standard;
+use leafwalk_cpu::testing;
 use leafwalk_testing::meshes;
 use leafwalk_testing::number::{Arithmetic, Fused, Number, Sound};
 use leafwalk_testing::random::Random;
@@ -50,6 +51,10 @@ impl Scene {
 
     fn batches(&self) -> CpuTracer<&[u32]> {
         CpuTracer::new(self.octree.view())
+    }
+
+    fn portable(&self) -> CpuTracer<&[u32]> {
+        testing::portable(self.batches())
     }
 
     /// # Panics
@@ -99,13 +104,13 @@ fn all_tracers_of_all_builds() {
             scene.hits(&Stepping::<Pluecker, Standard>::new(&scene.octree.parts()))
         }),
         ("batches", &|scene| scene.hits(&scene.batches())),
-        ("streams", &|scene| scene.hits(&scene.batches().streamed())),
-        ("rays in flight", &|scene| scene.hits(&scene.batches().in_flight())),
+        ("streams", &|scene| scene.hits(&testing::streamed(scene.batches()))),
+        ("interleaved rays", &|scene| scene.hits(&testing::interleaved(scene.batches()))),
         ("single rays", &|scene| scene.hits(&OneByOne(&scene.batches()))),
-        ("batches in portable registers", &|scene| scene.hits(&scene.batches().portable())),
-        ("streams in portable registers", &|scene| scene.hits(&scene.batches().portable().streamed())),
-        ("rays in flight in portable registers", &|scene| scene.hits(&scene.batches().portable().in_flight())),
-        ("single rays in portable registers", &|scene| scene.hits(&OneByOne(&scene.batches().portable()))),
+        ("batches in portable registers", &|scene| scene.hits(&scene.portable())),
+        ("streams in portable registers", &|scene| scene.hits(&testing::streamed(scene.portable()))),
+        ("interleaved rays in portable registers", &|scene| scene.hits(&testing::interleaved(scene.portable()))),
+        ("single rays in portable registers", &|scene| scene.hits(&OneByOne(&scene.portable()))),
     ];
     let scenes = scenes();
     for (name, way) in ways {

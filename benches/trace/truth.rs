@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 use leafwalk::{Mesh, Octree, Parts, Ray};
 use leafwalk_core::Walk;
-use leafwalk_core::layout::ROUNDOFF;
+use leafwalk_core::contract::ROUNDOFF;
 use leafwalk_rivals::Answer;
 
 /// How far beside a ray the rays pass that must agree with it, in roundoffs of how far away things are: twice the eight
@@ -200,7 +200,7 @@ impl<'a> Truth<'a> {
         loop {
             walk.visit(&ray, |record, _| {
                 let leaf = &self.parts.records[record as usize];
-                listed.extend(self.parts.triangles_of(leaf).map(|(primitive, _)| primitive));
+                listed.extend(self.parts.triangles_of(leaf).map(|triangle| triangle.primitive));
             });
             let Some(hit) = walk.closest_hit(&ray) else { return };
             // It stopped there: right if f64 has a hit no later.

@@ -1,14 +1,14 @@
 //! From the caller's rays to canonical ones.
 //!
-//! Most rays start near the root and have numbers of common size: [`Common`] makes these canonical in f32, in any lanes,
+//! Most rays start near the root and have numbers of common size: [`CommonRays`] makes these canonical in f32, in any lanes,
 //! with the bits that f64 would give. The others go through f64 one by one.
 
+use crate::contract::{PADDING, SMALLEST, SMALLEST_DIRECTION};
 use crate::frame::{Frame, exponent, flush, power_of_two};
 use crate::lanes::{Bits, Lanes};
-use crate::layout::{PADDING, SMALLEST, SMALLEST_DIRECTION};
-use crate::per_axis;
-use crate::policy::{Policy, Standard};
 use crate::ray::{CanonicalRay, Clock, Ray};
+use crate::testing::{Policy, Standard};
+use crate::unroll;
 
 /// Origins in this range surely lie within one root edge of the root, rounding or not.
 const NEAR: (f32, f32) = (-0.999, 1.999);
@@ -20,7 +20,7 @@ const EXPONENT_SHIFT: u32 = 23;
 
 /// Rays a lane, canonical where they are of the common kind.
 #[derive(Clone, Copy, Debug)]
-pub struct Common<L: Lanes> {
+pub struct CommonRays<L: Lanes> {
     /// Canonical.
     pub direction: [L; 3],
     /// t'.
@@ -33,13 +33,13 @@ pub struct Common<L: Lanes> {
     pub is_common: L::Mask,
 }
 
-impl<L: Lanes> Common<L> {
+impl<L: Lanes> CommonRays<L> {
     /// Takes rays as given, and their origins in lattice units.
     #[inline(always)]
     pub fn new(frame: &Frame, given: [L; 3], origin: [L; 3], direction: [L; 3], t_min: L, t_max: L) -> Self {
-        let [x, y, z]: [L; 3] = per_axis!(k => direction[k].abs());
+        let [x, y, z]: [L; 3] = unroll!(k in 0..3 => direction[k].abs());
         let largest = x.max(y.max(z));
-        let [a, b, c]: [L; 3] = per_axis!(k => self_difference(direction[k]) + self_difference(given[k]));
+        let [a, b, c]: [L; 3] = unroll!(k in 0..3 => self_difference(direction[k]) + self_difference(given[k]));
         let is_finite = (((a + b) + c) + self_difference(t_min)).equal(L::splat(0.0)) & t_max.equal(t_max);
         let is_near = in_range(origin[0], NEAR) & in_range(origin[1], NEAR) & in_range(origin[2], NEAR);
         // The sizes of no ray are common where those of the root are not.
@@ -55,7 +55,7 @@ impl<L: Lanes> Common<L> {
         let unit = power::<L>(L::Bits::splat(2 * BIAS as u32).minus(per_t));
         let per_t = power::<L>(per_t);
         Self {
-            direction: per_axis!(k => (direction[k] * shrink).flush(SMALLEST_DIRECTION)),
+            direction: unroll!(k in 0..3 => (direction[k] * shrink).flush(SMALLEST_DIRECTION)),
             t_min: t_min * per_t,
             t_max: t_max * per_t,
             unit,
@@ -89,10 +89,9 @@ impl Frame {
         self.canonical_with::<Standard>(ray)
     }
 
-    /// [`Frame::canonical`] under a policy that tests may spoil.
-    #[doc(hidden)]
+    /// See [`crate::testing::canonical`].
     #[inline(always)]
-    pub fn canonical_with<P: Policy>(&self, ray: &Ray) -> Option<CanonicalRay> {
+    pub(crate) fn canonical_with<P: Policy>(&self, ray: &Ray) -> Option<CanonicalRay> {
         // A ray that is not moved meets no other clause that a policy may spoil.
         if !P::CLAMPS_T_MIN
             && let Some(ray) = self.common(ray)
@@ -106,8 +105,8 @@ impl Frame {
     #[inline(always)]
     fn common(&self, ray: &Ray) -> Option<CanonicalRay> {
         let origin = self.to_lattice(ray.origin);
-        let common = Common::<f32>::new(self, ray.origin, origin, ray.direction, ray.t_min, ray.t_max);
-        let Common { direction, t_min, t_max, unit, is_common } = common;
+        let common = CommonRays::<f32>::new(self, ray.origin, origin, ray.direction, ray.t_min, ray.t_max);
+        let CommonRays { direction, t_min, t_max, unit, is_common } = common;
         let clock = Clock { entry: 0.0, unit: f64::from(unit) };
         is_common.then_some(CanonicalRay { origin, t_min, direction, t_max, clock })
     }

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::wire::Section;
+use crate::layout::Section;
 
 /// What is wrong with a serialized octree. Nothing of it was used.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,10 +101,10 @@ pub enum DecodeError {
         /// Payload number.
         payload: u32,
     },
-    /// A branch leads to what is not there or out of turn, or a child's box is not that of its own children.
-    BadBranch {
-        /// Number of the branch.
-        branch: u32,
+    /// A BVH node leads to what is not there or out of turn, or a child's box is not that of its own children.
+    BadBvhNode {
+        /// Number of the node.
+        node: u32,
     },
     /// There are both packed and indexed blocks.
     BlocksTwice,
@@ -195,7 +195,7 @@ impl fmt::Display for DecodeError {
             Self::BadLink { record, face } => {
                 write!(f, "record {record} is not linked to the leaf across its face {face}")
             }
-            Self::BadBranch { branch } => write!(f, "branch {branch} is inconsistent"),
+            Self::BadBvhNode { node } => write!(f, "BVH node {node} is inconsistent"),
             Self::BadPayload { payload } => write!(f, "payload {payload} is inconsistent"),
             Self::BadBlock { block, lane } => {
                 write!(f, "block {block}, lane {lane}: coordinate, vertex or primitive out of range")

@@ -1,7 +1,7 @@
 //! The lattice frame: the caller's units on one side, the unit root cube on the other.
 
-use crate::layout::{MESH_MARGIN, SMALLEST};
-use crate::per_axis;
+use crate::contract::{MESH_MARGIN, SMALLEST};
+use crate::unroll;
 
 /// `caller = origin + 2^scale_exponent * lattice`; the root cube is 0..1 on every lattice axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,13 +22,8 @@ impl Frame {
         Self::around_with_margin(lower, upper, MESH_MARGIN)
     }
 
-    /// A frame without the margin, which the contract forbids: the mesh may touch the root's faces.
-    #[doc(hidden)]
-    pub fn touching(lower: [f32; 3], upper: [f32; 3]) -> Self {
-        Self::around_with_margin(lower, upper, 0.0)
-    }
-
-    fn around_with_margin(lower: [f32; 3], upper: [f32; 3], margin: f32) -> Self {
+    /// See [`crate::testing::frame_touching`].
+    pub(crate) fn around_with_margin(lower: [f32; 3], upper: [f32; 3], margin: f32) -> Self {
         let extent = (0..3).map(|k| f64::from(upper[k]) - f64::from(lower[k])).fold(0.0, f64::max);
         let mut scale_exponent = if extent > 0.0 { exponent(extent) } else { 0 };
         scale_exponent = scale_exponent.max(*Self::SCALE_EXPONENTS.start());
@@ -54,7 +49,7 @@ impl Frame {
     #[inline(always)]
     pub fn to_lattice(&self, point: [f32; 3]) -> [f32; 3] {
         let inverse = power_of_two(-self.scale_exponent);
-        per_axis!(k => flush(((f64::from(point[k]) - self.origin[k]) * inverse) as f32, SMALLEST))
+        unroll!(k in 0..3 => flush(((f64::from(point[k]) - self.origin[k]) * inverse) as f32, SMALLEST))
     }
 
     /// A lattice point in the caller's units.

@@ -7,33 +7,39 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-mod axes;
+mod aabb;
 mod blocks;
-pub mod boxes;
 pub mod canonical;
+pub mod contract;
 mod error;
 mod frame;
 pub mod lanes;
 pub mod layout;
 mod nearest;
 mod octree;
-mod policy;
+mod parts;
 mod ray;
+pub mod slabs;
+mod stats;
 pub mod step;
 pub mod tables;
+#[doc(hidden)]
+pub mod testing;
 mod trace;
 mod tracer;
 pub mod triangle;
+mod unroll;
 mod validate;
 pub mod wire;
 
+pub use aabb::Aabb;
 pub use blocks::{Blocks, Indexed};
 pub use error::{DecodeError, RecordFault};
 pub use frame::Frame;
 pub use nearest::Nearest;
-pub use octree::{Aabb, LEAF_SIZES, Octree, Parts, Stats};
-#[doc(hidden)]
-pub use policy::{Policy, Standard};
+pub use octree::Octree;
+pub use parts::Parts;
 pub use ray::{CanonicalRay, Clock, Hit, Ray, hit_hash};
+pub use stats::{LEAF_SIZES, Stats};
 pub use trace::{Walk, Work};
 pub use tracer::{LengthMismatch, Tracer, one_by_one};

@@ -45,7 +45,7 @@ impl<L: Lanes> Nearest<L> {
 
     /// Leaves nothing nearer than a hit, whatever it is: its ray asks for no more.
     #[inline(always)]
-    pub fn rest(&mut self) {
+    pub fn finish(&mut self) {
         self.t = L::splat(f32::NEG_INFINITY).or_else(self.is_hit(), self.t);
     }
 }

@@ -59,6 +59,18 @@ impl Hit {
     pub fn is_miss(&self) -> bool {
         self.primitive == u32::MAX
     }
+
+    /// The hit, or `None` for a miss.
+    pub fn ok(self) -> Option<Self> {
+        (!self.is_miss()).then_some(self)
+    }
+}
+
+impl From<Option<Hit>> for Hit {
+    /// [`Hit::MISS`] for `None`.
+    fn from(hit: Option<Hit>) -> Self {
+        hit.unwrap_or(Self::MISS)
+    }
 }
 
 /// FNV-1a (64 bits) over the 16 bytes of each hit, in order: one number to compare two backends by.

@@ -6,9 +6,9 @@
 
 use crate::lanes::{Bits, Lanes};
 use crate::layout::{Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_SHIFT, Record};
-use crate::per_axis;
 use crate::ray::CanonicalRay;
 use crate::tables::{self, EXIT_AXIS};
+use crate::unroll;
 
 /// Stands for 1 / 0, in lattice steps: any coordinate difference above 2^-40 becomes a distance beyond the root.
 pub const STEEP: f32 = (1u64 << 44) as f32;
@@ -43,16 +43,16 @@ impl<L: Lanes> Line<L> {
     pub fn new(ray: &CanonicalRay) -> Self {
         let d = ray.direction;
         let neg = (0..3).fold(0, |bits, k| bits | u32::from(d[k] < 0.0) << k);
-        let origin = per_axis!(k => ray.origin[k] * LATTICE as f32);
-        let direction = per_axis!(k => d[k] * LATTICE as f32);
+        let origin = unroll!(k in 0..3 => ray.origin[k] * LATTICE as f32);
+        let direction = unroll!(k in 0..3 => d[k] * LATTICE as f32);
         Self {
-            origin: per_axis!(k => L::splat(origin[k])),
-            direction: per_axis!(k => L::splat(direction[k])),
-            inverse: inverse(per_axis!(k => L::splat(direction[k]))),
-            exit_origin: per_axis!(k => L::splat(if d[k] == 0.0 { FAR_BEHIND } else { origin[k] })),
-            forward: per_axis!(k => L::splat(if d[k] < 0.0 { -1.0 } else { 1.0 })),
+            origin: unroll!(k in 0..3 => L::splat(origin[k])),
+            direction: unroll!(k in 0..3 => L::splat(direction[k])),
+            inverse: inverse(unroll!(k in 0..3 => L::splat(direction[k]))),
+            exit_origin: unroll!(k in 0..3 => L::splat(if d[k] == 0.0 { FAR_BEHIND } else { origin[k] })),
+            forward: unroll!(k in 0..3 => L::splat(if d[k] < 0.0 { -1.0 } else { 1.0 })),
             neg: L::Bits::splat(neg),
-            upward: per_axis!(k => L::Bits::splat(if d[k] < 0.0 { 0 } else { u32::MAX })),
+            upward: unroll!(k in 0..3 => L::Bits::splat(if d[k] < 0.0 { 0 } else { u32::MAX })),
             tie: L::Bits::splat(tie_bits(d, neg)),
         }
     }
@@ -61,7 +61,7 @@ impl<L: Lanes> Line<L> {
 /// 1 / direction, or 2^44 where that is zero.
 #[inline(always)]
 pub fn inverse<L: Lanes>(direction: [L; 3]) -> [L; 3] {
-    per_axis!(k => L::splat(STEEP).or_else(direction[k].equal(L::splat(0.0)), L::splat(1.0) / direction[k]))
+    unroll!(k in 0..3 => L::splat(STEEP).or_else(direction[k].equal(L::splat(0.0)), L::splat(1.0) / direction[k]))
 }
 
 /// How ties between exit distances break: x before y before z, axes with direction 0 last (simulation of simplicity).
@@ -88,18 +88,18 @@ impl<L: Lanes> Cell<L> {
     /// The same cell in every lane.
     #[inline(always)]
     pub fn new(key: Key) -> Self {
-        Self { corner: per_axis!(k => L::Bits::splat(key.corner[k])), size: L::Bits::splat(key.size()) }
+        Self { corner: unroll!(k in 0..3 => L::Bits::splat(key.corner[k])), size: L::Bits::splat(key.size()) }
     }
 
     #[inline(always)]
     fn exit_planes(&self, line: &Line<L>) -> [L; 3] {
-        per_axis!(k => L::from_integers(self.corner[k].plus(self.size & line.upward[k])))
+        unroll!(k in 0..3 => L::from_integers(self.corner[k].plus(self.size & line.upward[k])))
     }
 
     #[inline(always)]
     fn centre(&self) -> [L; 3] {
         let half = self.size >> L::Bits::splat(1);
-        per_axis!(k => L::from_integers(self.corner[k].plus(half)))
+        unroll!(k in 0..3 => L::from_integers(self.corner[k].plus(half)))
     }
 }
 
@@ -124,7 +124,7 @@ impl<L: Lanes> Exit<L> {
         let one = L::Bits::splat(1);
         let number = L::indicator(axis[1]) | L::indicator(axis[2]) << one;
         let positive = (line.neg >> number & one) ^ one;
-        let away = per_axis!(k => planes[k] - line.origin[k]);
+        let away = unroll!(k in 0..3 => planes[k] - line.origin[k]);
         Self {
             axis,
             face: number << one | positive,
@@ -157,7 +157,7 @@ impl Step for Slab {
     #[inline(always)]
     fn exit<L: Lanes>(line: &Line<L>, cell: &Cell<L>) -> Exit<L> {
         let planes = cell.exit_planes(line);
-        let [x, y, z] = per_axis!(k => (planes[k] - line.exit_origin[k]) * line.inverse[k]);
+        let [x, y, z] = unroll!(k in 0..3 => (planes[k] - line.exit_origin[k]) * line.inverse[k]);
         let is_x = x.at_most(y) & x.at_most(z);
         let is_y = y.at_most(z) & !is_x;
         let is_z = !is_x & !is_y;
@@ -190,7 +190,7 @@ impl Pluecker {
     /// The two products whose difference is component k of (point - origin) x direction.
     #[inline(always)]
     fn products<L: Lanes>(line: &Line<L>, point: [L; 3]) -> [(L, L); 3] {
-        let w: [L; 3] = per_axis!(k => point[k] - line.origin[k]);
+        let w: [L; 3] = unroll!(k in 0..3 => point[k] - line.origin[k]);
         let d = line.direction;
         [(w[1] * d[2], w[2] * d[1]), (w[2] * d[0], w[0] * d[2]), (w[0] * d[1], w[1] * d[0])]
     }
@@ -209,21 +209,21 @@ impl Step for Pluecker {
             let tie = L::indicator(a.equal(b)) & (line.tie >> bit & one);
             pattern = pattern | (L::indicator(a.less(b)) | tie) << bit;
         }
-        let [x, y, z] = per_axis!(k => line.neg >> L::Bits::splat(k) & one);
+        let [x, y, z] = unroll!(k in 0..3 => line.neg >> L::Bits::splat(k) & one);
         let mask = (y ^ z) | (z ^ x) << one | (x ^ y) << L::Bits::splat(2);
         let axis = L::Bits::splat(EXIT_AXIS) >> ((pattern ^ mask) << one) & L::Bits::splat(3);
         // Axis numbers are 0, 1, 2: exact as numbers, so that lanes need no integer comparison.
         let number = L::from_integers(axis);
-        Exit::new(line, planes, per_axis!(k => number.equal(L::splat(k as f32))), L::splat(0.0))
+        Exit::new(line, planes, unroll!(k in 0..3 => number.equal(L::splat(k as f32))), L::splat(0.0))
     }
 
     #[inline(always)]
     fn upper_halves<L: Lanes>(line: &Line<L>, cell: &Cell<L>, exit: &Exit<L>) -> L::Bits {
         let planes = cell.exit_planes(line);
         let middle = cell.centre();
-        let centre = per_axis!(k => planes[k].or_else(exit.axis[k], middle[k]));
+        let centre = unroll!(k in 0..3 => planes[k].or_else(exit.axis[k], middle[k]));
         let negative = Self::products(line, centre);
-        let negative: [L::Bits; 3] = per_axis!(k => L::indicator(negative[k].0.less(negative[k].1)));
+        let negative: [L::Bits; 3] = unroll!(k in 0..3 => L::indicator(negative[k].0.less(negative[k].1)));
         let one = L::Bits::splat(1);
         let positive = exit.face & one;
         // tables::sub_face, with bits where it has u and v: axis + 1 reads component axis + 2 and the other way round.
@@ -261,14 +261,14 @@ pub fn cross<L: Lanes, S: Step>(
     let upward = (exit.face & one).spread();
     let along = (cell.size & upward) | L::Bits::splat(0).minus(size) & !upward;
     let aligned = !size.minus(one);
-    let mut corner = per_axis!(k => cell.corner[k].plus(along & L::indicator(exit.axis[k]).spread()) & aligned);
+    let mut corner = unroll!(k in 0..3 => cell.corner[k].plus(along & L::indicator(exit.axis[k]).spread()) & aligned);
     let mut record = neighbour;
     if is_finer.any() {
         // The child that the ray enters: by the side that faces the ray, in the quadrant of the exit point.
         let exit_bit = one << (exit.face >> one);
         let quadrant = S::upper_halves(line, cell, exit) & !exit_bit & is_finer.spread();
         record = record.plus(quadrant | line.neg & exit_bit & is_finer.spread());
-        corner = per_axis!(k => corner[k].plus(size & (quadrant >> L::Bits::splat(k as u32) & one).spread()));
+        corner = unroll!(k in 0..3 => corner[k].plus(size & (quadrant >> L::Bits::splat(k as u32) & one).spread()));
     }
     (record, Cell { corner, size })
 }

@@ -1,15 +1,17 @@
 //! The scalar tracer: one ray, from leaf to leaf.
 
-use crate::boxes::Slabs;
+use crate::contract::{PADDING, START_MARGIN};
 use crate::lanes::Lanes;
-use crate::layout::{BLOCK_WIDTH, Block, Key, LATTICE, LINK_NONE, PADDING, PAYLOAD_BLOCKS, Payload, START_MARGIN};
+use crate::layout::{BLOCK_WIDTH, Block, Key, LATTICE, LINK_NONE, PAYLOAD_BLOCKS, Payload};
 use crate::nearest::Nearest;
-use crate::octree::{Octree, Parts};
-use crate::per_axis;
-use crate::policy::{Policy, Standard};
+use crate::octree::Octree;
+use crate::parts::Parts;
 use crate::ray::{CanonicalRay, Hit, Ray};
+use crate::slabs::Slabs;
 use crate::step::{Cell, Line, Slab, Step, cross, link_kind, neighbour};
+use crate::testing::{Policy, Standard};
 use crate::triangle::{Candidate, Shear, Sheared};
+use crate::unroll;
 
 /// What a walk did, for charts and heat maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,6 +32,11 @@ impl<W: AsRef<[u32]>> Octree<W> {
     /// Whether anything is hit with `t_min < t < t_max`.
     pub fn occluded(&self, ray: &Ray) -> bool {
         Walk::new(&self.parts()).occluded(ray)
+    }
+
+    /// The closest hit, and what the walk from leaf to leaf did to find it.
+    pub fn closest_hit_with_work(&self, ray: &Ray) -> (Option<Hit>, Work) {
+        Walk::new(&self.parts()).closest_hit_with_work(ray)
     }
 }
 
@@ -55,9 +62,8 @@ impl<'a> Walk<'a> {
 }
 
 impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
-    /// Any kind of step and any policy.
-    #[doc(hidden)]
-    pub fn with(parts: &'a Parts<'a>) -> Self {
+    /// See [`crate::testing::walk`].
+    pub(crate) fn with(parts: &'a Parts<'a>) -> Self {
         Self { parts, kind: core::marker::PhantomData }
     }
 
@@ -139,8 +145,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
             if !record.head().is_inner() {
                 return (number, Cell { corner: corner.map(|c| c & !(size - 1)), size });
             }
-            let half = size >> 1;
-            number = record.offset + (0..3).fold(0, |octant, k| octant | u32::from(corner[k] & half != 0) << k);
+            number = record.offset + Key::octant_towards(size, corner);
         }
     }
 
@@ -209,7 +214,7 @@ impl Search<'_> {
     /// Whether the ray meets a payload's tight box.
     #[inline(always)]
     fn meets(&self, slabs: &Slabs<f32>, payload: &Payload) -> bool {
-        let sides = |sides: &[u16; 3]| -> [f32; 3] { per_axis!(k => f32::from(sides[k])) };
+        let sides = |sides: &[u16; 3]| -> [f32; 3] { unroll!(k in 0..3 => f32::from(sides[k])) };
         let (first, last) = slabs.clip(sides(&payload.lower), sides(&payload.upper), self.ray.t_min, self.nearest.t);
         first <= last
     }

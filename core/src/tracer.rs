@@ -70,7 +70,7 @@ impl<W: AsRef<[u32]>> Tracer for Octree<W> {
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
         let parts = self.parts();
         let walk = Walk::new(&parts);
-        one_by_one(rays, hits, |ray| walk.closest_hit(ray).unwrap_or(Hit::MISS))
+        one_by_one(rays, hits, |ray| Hit::from(walk.closest_hit(ray)))
     }
 
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {

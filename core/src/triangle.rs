@@ -3,10 +3,10 @@
 //! Corners come permuted: axis 2 is the one along which the ray's direction is largest. A loader picks arrays in that
 //! order for nothing, so the test itself never moves data.
 
+use crate::contract::{SMALLEST, SMALLEST_SHEARED};
 use crate::lanes::{Lanes, Mask};
-use crate::layout::{SMALLEST, SMALLEST_SHEARED};
-use crate::per_axis;
 use crate::ray::CanonicalRay;
+use crate::unroll;
 
 /// How far below 0 a difference of products may lie whose exact value, with small coordinates taken for 0, is not
 /// negative. Sheared coordinates are at most 4 (2 from the origin, and as much again by the shear), so that a product with
@@ -41,7 +41,7 @@ pub const PERMUTATIONS: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 /// Which axis has the largest direction component: one of three, the first of equals.
 #[inline(always)]
 pub fn main_axis<L: Lanes>(direction: [L; 3]) -> [L::Mask; 3] {
-    let [x, y, z]: [L; 3] = per_axis!(k => direction[k].abs());
+    let [x, y, z]: [L; 3] = unroll!(k in 0..3 => direction[k].abs());
     let is_x = y.at_most(x) & z.at_most(x);
     let is_y = z.at_most(y) & !is_x;
     [is_x, is_y, !is_x & !is_y]
@@ -52,7 +52,7 @@ impl<L: Lanes> Shear<L> {
     #[inline(always)]
     pub fn new(ray: &CanonicalRay) -> (Self, [usize; 3]) {
         let axes = permutation(ray.direction);
-        let permuted = |p: [f32; 3]| per_axis!(k => p[axes[k]]);
+        let permuted = |p: [f32; 3]| unroll!(k in 0..3 => p[axes[k]]);
         (Self::splat(&Shear::of_permuted(permuted(ray.origin), permuted(ray.direction))), axes)
     }
 
@@ -67,7 +67,10 @@ impl<L: Lanes> Shear<L> {
     /// The same ray in every lane.
     #[inline(always)]
     pub fn splat(shear: &Shear<f32>) -> Self {
-        Self { origin: per_axis!(k => L::splat(shear.origin[k])), slope: per_axis!(k => L::splat(shear.slope[k])) }
+        Self {
+            origin: unroll!(k in 0..3 => L::splat(shear.origin[k])),
+            slope: unroll!(k in 0..3 => L::splat(shear.slope[k])),
+        }
     }
 
     /// A point's distance from the ray along an axis across it.
@@ -100,16 +103,16 @@ impl<L: Lanes> Sheared<L> {
     /// Shears permuted corners.
     #[inline(always)]
     pub fn new(shear: &Shear<L>, corners: [[L; 3]; 3]) -> Self {
-        Self::from_differences(shear, per_axis!(c => per_axis!(k => corners[c][k] - shear.origin[k])))
+        Self::from_differences(shear, unroll!(c in 0..3 => unroll!(k in 0..3 => corners[c][k] - shear.origin[k])))
     }
 
     /// Shears what is left of permuted corners less the origin.
     #[inline(always)]
     pub fn from_differences(shear: &Shear<L>, from_origin: [[L; 3]; 3]) -> Self {
         Self {
-            x: per_axis!(c => shear.lateral(from_origin[c], 0)),
-            y: per_axis!(c => shear.lateral(from_origin[c], 1)),
-            z: per_axis!(c => from_origin[c][2]),
+            x: unroll!(c in 0..3 => shear.lateral(from_origin[c], 0)),
+            y: unroll!(c in 0..3 => shear.lateral(from_origin[c], 1)),
+            z: unroll!(c in 0..3 => from_origin[c][2]),
         }
     }
 
@@ -132,8 +135,8 @@ impl<L: Lanes> Sheared<L> {
     /// (ARCHITECTURE.md, "Triangle test").
     #[inline(always)]
     pub fn finish(&self, shear: &Shear<L>) -> (L::Mask, Candidate<L>) {
-        let [ax, bx, cx] = per_axis!(c => self.x[c].flush(SMALLEST_SHEARED));
-        let [ay, by, cy] = per_axis!(c => self.y[c].flush(SMALLEST_SHEARED));
+        let [ax, bx, cx] = unroll!(c in 0..3 => self.x[c].flush(SMALLEST_SHEARED));
+        let [ay, by, cy] = unroll!(c in 0..3 => self.y[c].flush(SMALLEST_SHEARED));
         let u = difference_of_products(cx, by, cy, bx);
         let v = difference_of_products(ax, cy, ay, cx);
         let w = difference_of_products(bx, ay, by, ax);
@@ -144,7 +147,7 @@ impl<L: Lanes> Sheared<L> {
 
         let sum = (u + v) + w;
         let (v, w) = (v / sum, w / sum);
-        let [az, bz, cz] = per_axis!(c => shear.slope[2] * self.z[c]);
+        let [az, bz, cz] = unroll!(c in 0..3 => shear.slope[2] * self.z[c]);
         let t = az + (v * (bz - az) + w * (cz - az));
         (accepted, Candidate { t: t.flush(SMALLEST), u: v.flush(SMALLEST), v: w.flush(SMALLEST) })
     }

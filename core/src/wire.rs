@@ -6,90 +6,15 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::error::DecodeError;
 use crate::frame::Frame;
-use crate::layout::{MAGIC, SECTION_ALIGN, VERSION};
-
-pub use crate::error::DecodeError;
+use crate::layout::{MAGIC, SECTION_ALIGN, Section, VERSION};
 
 /// Words before the section table.
 pub const PREAMBLE_WORDS: usize = 5;
 /// Words a row of the section table.
 pub const TABLE_ROW: usize = 3;
 const CHECKSUM_WORD: usize = 3;
-
-/// The sections that this version knows, in file order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Section {
-    /// [`Header`].
-    Header,
-    /// [`crate::layout::Record`]s, the root first, then blocks of eight siblings in depth-first order.
-    Records,
-    /// One [`crate::layout::Key`] a record.
-    Keys,
-    /// [`crate::layout::Payload`]s, leaf after leaf, depth first.
-    Payloads,
-    /// [`crate::layout::Block`]s, leaf after leaf, depth first; empty in a compact octree.
-    Blocks,
-    /// In a compact octree, [`crate::layout::IndexedBlock`]s instead, in the same order.
-    IndexedBlocks,
-    /// Their vertices in lattice units, three numbers each, in the order in which the blocks first name them.
-    Vertices,
-    /// [`crate::layout::Branch`]es: the first, then, depth first, those that each leads to by slot.
-    Branches,
-    /// The entry grid: one record number a grid cell, x fastest.
-    Grid,
-    /// One material id a triangle; may be empty.
-    Materials,
-}
-
-impl Section {
-    /// All of them, in file order.
-    pub const ALL: [Self; 10] = [
-        Self::Header,
-        Self::Records,
-        Self::Keys,
-        Self::Payloads,
-        Self::Blocks,
-        Self::IndexedBlocks,
-        Self::Vertices,
-        Self::Branches,
-        Self::Grid,
-        Self::Materials,
-    ];
-
-    /// The tag that names it in the file: four ASCII characters.
-    pub const fn tag(self) -> u32 {
-        u32::from_le_bytes(match self {
-            Self::Header => *b"head",
-            Self::Records => *b"recs",
-            Self::Keys => *b"keys",
-            Self::Payloads => *b"payl",
-            Self::Blocks => *b"blks",
-            Self::IndexedBlocks => *b"iblk",
-            Self::Vertices => *b"vert",
-            Self::Branches => *b"brch",
-            Self::Grid => *b"grid",
-            Self::Materials => *b"mats",
-        })
-    }
-
-    /// Its name in messages.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Header => "header",
-            Self::Records => "records",
-            Self::Keys => "keys",
-            Self::Payloads => "payloads",
-            Self::Blocks => "blocks",
-            Self::IndexedBlocks => "indexed blocks",
-            Self::Vertices => "vertices",
-            Self::Branches => "branches",
-            Self::Grid => "entry grid",
-            Self::Materials => "materials",
-        }
-    }
-}
 
 /// The header section: counts, frame, padding and settings.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

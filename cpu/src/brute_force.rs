@@ -1,17 +1,20 @@
 //! The oracle: every triangle against every ray, on the same canonical ray and with the same triangle test.
 
-use leafwalk_core::layout::NONE;
+use core::fmt;
+
+use leafwalk_core::layout::{NONE, Triangle};
 use leafwalk_core::triangle::{Shear, intersect};
-use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Ray, Tracer, one_by_one, per_axis};
+use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Ray, Tracer, one_by_one, unroll};
 
 use crate::build::{BuildError, normalise};
 use crate::mesh::Mesh;
 
 /// Tests all triangles of a mesh; what an octree of the same mesh must agree with bit for bit.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct BruteForce {
-    frame: Frame,
-    triangles: Vec<(u32, [[f32; 3]; 3])>,
+    pub(crate) frame: Frame,
+    /// Every triangle that can be hit.
+    pub(crate) triangles: Vec<Triangle>,
 }
 
 impl BruteForce {
@@ -22,16 +25,6 @@ impl BruteForce {
     pub fn new(mesh: &Mesh) -> Result<Self, BuildError> {
         let normalised = normalise(mesh)?;
         Ok(Self { frame: normalised.frame, triangles: normalised.triangles })
-    }
-
-    /// The frame that rays are brought into.
-    pub fn frame(&self) -> &Frame {
-        &self.frame
-    }
-
-    /// Primitive and corners, in lattice units, of every triangle that can be hit.
-    pub fn triangles(&self) -> &[(u32, [[f32; 3]; 3])] {
-        &self.triangles
     }
 
     /// The closest hit of one ray.
@@ -55,8 +48,8 @@ impl BruteForce {
     /// All hits beyond `t_min`, as (primitive, t', u, v).
     fn hits<'a>(&'a self, ray: &'a CanonicalRay) -> impl Iterator<Item = (u32, f32, f32, f32)> + 'a {
         let (shear, axes) = Shear::<f32>::new(ray);
-        self.triangles.iter().filter_map(move |(primitive, corners)| {
-            let (accepted, found) = intersect(&shear, per_axis!(c => per_axis!(k => corners[c][axes[k]])));
+        self.triangles.iter().filter_map(move |Triangle { primitive, corners }| {
+            let (accepted, found) = intersect(&shear, unroll!(c in 0..3 => unroll!(k in 0..3 => corners[c][axes[k]])));
             (accepted && found.t > ray.t_min).then_some((*primitive, found.t, found.u, found.v))
         })
     }
@@ -66,10 +59,17 @@ impl Tracer for BruteForce {
     type Error = LengthMismatch;
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
-        one_by_one(rays, hits, |ray| self.closest_hit(ray).unwrap_or(Hit::MISS))
+        one_by_one(rays, hits, |ray| Hit::from(self.closest_hit(ray)))
     }
 
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
         one_by_one(rays, occluded, |ray| self.closest_hit(ray).is_some())
+    }
+}
+
+/// Counts instead of triangles, of which there may be millions.
+impl fmt::Debug for BruteForce {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("BruteForce").field("triangles", &self.triangles.len()).finish_non_exhaustive()
     }
 }

@@ -1,35 +1,23 @@
-//! Builds leafwalk octrees ([`Builder`]), checks them ([`verify`]) and traces them on every core ([`CpuTracer`]).
+//! Builds leafwalk files ([`Builder`]), checks them ([`verify`]) and traces them on every core ([`CpuTracer`]).
+//!
+//! A file holds two structures over the same blocks of triangles: an octree whose leaves know their neighbours, which
+//! [`leafwalk_core`] walks, and a bounding volume hierarchy of eight children a node, which [`CpuTracer`] descends with
+//! eight lanes. No answer depends on the way to it, so both give the same bits.
+//!
+//! How a batch of rays is traced is told where `trace` begins; `lanes` are the registers that it runs on.
 #![deny(unsafe_code)]
 
-mod batch;
-mod beam;
 mod brute_force;
 mod build;
-mod descent;
-mod entry;
-mod flights;
-mod found;
-mod group;
-mod hierarchy;
 mod lanes;
 mod mesh;
-mod node;
-mod prepare;
-mod question;
-mod ready;
-mod sequence;
-mod sieve;
-mod single;
-mod stack;
-mod stream;
-mod tile;
+#[doc(hidden)]
+pub mod testing;
+mod trace;
 mod tracer;
 mod verify;
-mod waiting;
 
 pub use brute_force::BruteForce;
-#[doc(hidden)]
-pub use build::Spoiled;
 pub use build::{BuildError, Builder, Progress};
 pub use mesh::Mesh;
 pub use tracer::CpuTracer;

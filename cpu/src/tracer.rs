@@ -1,69 +1,34 @@
 //! `CpuTracer`: batches of rays on every core.
 
+use core::fmt;
+
 use leafwalk_core::{Blocks, Frame, Hit, LengthMismatch, Octree, Ray, Tracer, Walk, Work};
 use rayon::prelude::*;
 
-use crate::batch::{Batch, Scratch, Way};
-use crate::hierarchy::{Hierarchy, Source};
 use crate::lanes::Registers;
-use crate::question::{Closest, Occluded, Question};
-use crate::single;
-use crate::tile::Tiling;
+use crate::trace::bvh::{BlockSource, Bvh};
+use crate::trace::query::{AnyHit, ClosestHit, Query};
+use crate::trace::{Batch, Scratch, Tiling, Way, single};
 
 /// Rays a task: enough to hide the cost of handing it out, few enough to share the work evenly.
 const CHUNK: usize = 4096;
 
 /// Traces batches over the threads of the current rayon pool; answers do not depend on how many there are.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct CpuTracer<W> {
     octree: Octree<W>,
-    /// The octree's: to read it for each ray would take longer than the ray's first branch.
+    /// The octree's frame: to read it for each ray would take longer than the ray's first node.
     frame: Frame,
-    registers: Registers,
-    tiling: Tiling,
-    way: Way,
+    pub(crate) registers: Registers,
+    pub(crate) tiling: Tiling,
+    pub(crate) way: Way,
 }
 
 impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     /// Takes an octree, owned or borrowed.
     pub fn new(octree: Octree<W>) -> Self {
         let frame = octree.frame();
-        Self { octree, frame, registers: Registers::detect(), tiling: Tiling::STANDARD, way: Way::Measured }
-    }
-
-    /// With the registers that the compiler may assume alone, for tests: all give the same bits.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn portable(self) -> Self {
-        Self { registers: Registers::Portable, ..self }
-    }
-
-    /// With streams however few rays there are, and however little they share, for tests.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn streamed(self) -> Self {
-        Self { way: Way::Stream, ..self }
-    }
-
-    /// With rays always in flight, for tests.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn in_flight(self) -> Self {
-        Self { way: Way::Flights, ..self }
-    }
-
-    /// With beams that are wider than their rays by this, in lattice units: too small, and a test has to notice.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn with_beam_margin(self, beam_margin: f32) -> Self {
-        Self { tiling: Tiling { beam_margin, ..self.tiling }, ..self }
-    }
-
-    /// Whose tiles take a triangle for tested once some of their rays were tested against it: a test has to notice.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn forgetting_rays(self) -> Self {
-        Self { tiling: Tiling { forgets_rays: true, ..self.tiling }, ..self }
+        Self { octree, frame, registers: Registers::detect(), tiling: Tiling::STANDARD, way: Way::Auto }
     }
 
     /// The octree that is traced.
@@ -73,44 +38,43 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
 
     /// The closest hit of one ray, on this thread.
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let hit = self.single::<Closest>(ray);
-        (!hit.is_miss()).then_some(hit)
+        self.single::<ClosestHit>(ray).ok()
     }
 
     /// Whether one ray hits anything, on this thread.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.single::<Occluded>(ray)
+        self.single::<AnyHit>(ray)
     }
 
     #[inline]
-    fn single<Q: Question>(&self, ray: &Ray) -> Q::Answer {
+    fn single<Q: Query>(&self, ray: &Ray) -> Q::Answer {
         match self.octree.blocks() {
             Blocks::Packed(blocks) => {
-                single::answer::<_, Q>(self.registers, &Hierarchy::new(&self.octree, self.frame, blocks), ray)
+                single::answer::<_, Q>(self.registers, &Bvh::new(&self.octree, self.frame, blocks), ray)
             }
             Blocks::Indexed(blocks) => {
-                single::answer::<_, Q>(self.registers, &Hierarchy::new(&self.octree, self.frame, blocks), ray)
+                single::answer::<_, Q>(self.registers, &Bvh::new(&self.octree, self.frame, blocks), ray)
             }
         }
     }
 
-    fn batches<Q: Question>(&self, rays: &[Ray], answers: &mut [Q::Answer]) -> Result<(), LengthMismatch> {
+    fn batches<Q: Query>(&self, rays: &[Ray], answers: &mut [Q::Answer]) -> Result<(), LengthMismatch> {
         match self.octree.blocks() {
             Blocks::Packed(blocks) => self.batches_in::<_, Q>(blocks, rays, answers),
             Blocks::Indexed(blocks) => self.batches_in::<_, Q>(blocks, rays, answers),
         }
     }
 
-    fn batches_in<B: Source, Q: Question>(
+    fn batches_in<B: BlockSource, Q: Query>(
         &self,
         blocks: B,
         rays: &[Ray],
         answers: &mut [Q::Answer],
     ) -> Result<(), LengthMismatch> {
-        let hierarchy = &Hierarchy::new(&self.octree, self.frame, blocks);
+        let bvh = &Bvh::new(&self.octree, self.frame, blocks);
         let Self { tiling, way, .. } = *self;
         answer(rays, answers, Scratch::new, |scratch, rays, answers| {
-            self.registers.run(Batch::<B, Q> { hierarchy, tiling, way, scratch, rays, answers });
+            self.registers.run(Batch::<B, Q> { bvh, tiling, way, scratch, rays, answers });
         })
     }
 
@@ -147,10 +111,20 @@ impl<W: AsRef<[u32]> + Sync> Tracer for CpuTracer<W> {
     type Error = LengthMismatch;
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
-        self.batches::<Closest>(rays, hits)
+        self.batches::<ClosestHit>(rays, hits)
     }
 
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
-        self.batches::<Occluded>(rays, occluded)
+        self.batches::<AnyHit>(rays, occluded)
+    }
+}
+
+/// Counts instead of words, of which there may be millions.
+impl<W: AsRef<[u32]>> fmt::Debug for CpuTracer<W> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("CpuTracer")
+            .field("octree", &self.octree)
+            .field("registers", &self.registers)
+            .finish_non_exhaustive()
     }
 }

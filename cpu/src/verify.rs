@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use leafwalk_core::layout::{ABSENT, BRANCH_WIDTH, Block, Child, Key, LatticeBox, NONE, Payload, Record};
+use leafwalk_core::layout::{BVH_WIDTH, Block, Child, Key, LatticeBox, NONE, Payload, Record, Triangle};
 use leafwalk_core::{Octree, Parts};
 use rayon::prelude::*;
 
@@ -36,7 +36,7 @@ pub enum VerifyError {
         /// The triangle.
         primitive: u32,
     },
-    /// The branches do not lead to a block, or only with a box that is smaller than the one in its leaf: rays that descend
+    /// The nodes do not lead to a block, or only with a box that is smaller than the one in its leaf: rays that descend
     /// would miss it.
     LostBlock {
         /// Number of the block.
@@ -77,7 +77,10 @@ impl fmt::Display for VerifyError {
                 write!(f, "in leaf {leaf} triangle {primitive} sticks out of its block's box: build the octree anew")
             }
             Self::LostBlock { block } => {
-                write!(f, "no branch leads to block {block} with a box as large as in its leaf: build the octree anew")
+                write!(
+                    f,
+                    "no BVH node leads to block {block} with a box as large as in its leaf: build the octree anew"
+                )
             }
             Self::CornersDiffer { leaf, primitive } => {
                 write!(f, "leaf {leaf} has other corners for triangle {primitive} than an earlier leaf: build it anew")
@@ -111,15 +114,15 @@ fn verify_triangles(parts: &Parts<'_>, triangles: &[Triangle]) -> Result<Verifie
     if listed != expected {
         return Err(VerifyError::TriangleCount { listed, expected });
     }
-    check_branches(parts)?;
+    check_bvh(parts)?;
     let references = Check { parts, triangles }.node(0, (0..triangles.len() as u32).collect())?;
     Ok(Verified { triangles: listed, references })
 }
 
-/// Whether the branches lead to every block that leaves list.
-fn check_branches(parts: &Parts<'_>) -> Result<(), VerifyError> {
-    let mut found = vec![ABSENT; parts.blocks.len()];
-    let children = parts.branches.iter().flat_map(|branch| (0..BRANCH_WIDTH).map(|slot| branch.child(slot)));
+/// Whether the nodes lead to every block that leaves list.
+fn check_bvh(parts: &Parts<'_>) -> Result<(), VerifyError> {
+    let mut found = vec![LatticeBox::EMPTY; parts.blocks.len()];
+    let children = parts.bvh.iter().flat_map(|node| (0..BVH_WIDTH).map(|slot| node.child(slot)));
     for (boxed, child) in children {
         if let Child::Block(block) = child {
             found[block as usize] = boxed;
@@ -129,15 +132,11 @@ fn check_branches(parts: &Parts<'_>) -> Result<(), VerifyError> {
         .payloads
         .iter()
         .flat_map(|payload| (0..payload.count).map(|b| (payload.first + b, payload.boxed(b as usize))));
-    let is_lost = |(block, boxed): &(u32, LatticeBox)| !encloses(found[*block as usize], *boxed);
+    let is_lost = |(block, boxed): &(u32, LatticeBox)| !found[*block as usize].contains(*boxed);
     match listed.into_iter().find(is_lost) {
         Some((block, _)) => Err(VerifyError::LostBlock { block }),
         None => Ok(()),
     }
-}
-
-fn encloses(outer: LatticeBox, inner: LatticeBox) -> bool {
-    (0..3).all(|k| inner.0[k] >= outer.0[k] && inner.1[k] <= outer.1[k])
 }
 
 /// As [`verify`], and checks that the octree was built from this mesh.
@@ -160,31 +159,29 @@ pub fn verify_against<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &Mesh) -> Resul
     let found = gather(&parts)?;
     let expected = normalised.triangles;
     match found.iter().zip(&expected).find(|(found, expected)| found != expected) {
-        Some((found, expected)) => differs("corners", Some(found.0.min(expected.0))),
+        Some((found, expected)) => differs("corners", Some(found.primitive.min(expected.primitive))),
         None if found.len() != expected.len() => differs("number of triangles listed", None),
         None => verify_triangles(&parts, &found),
     }
 }
 
-/// Primitive and corners in lattice units.
-type Triangle = (u32, [[f32; 3]; 3]);
-
 /// The triangles that leaves list, by ascending primitive. The header's counts are not trusted with memory.
 fn gather(parts: &Parts<'_>) -> Result<Vec<Triangle>, VerifyError> {
-    let in_leaf = |(_, leaf)| parts.triangles_of(leaf).map(|(primitive, _)| primitive);
+    let in_leaf = |(_, leaf)| parts.triangles_of(leaf).map(|triangle| triangle.primitive);
     let mut primitives: Vec<u32> = parts.leaves().flat_map(in_leaf).collect();
     primitives.par_sort_unstable();
     primitives.dedup();
     let mut corners = vec![None; primitives.len()];
     for (number, leaf) in parts.leaves() {
-        for (primitive, found) in parts.triangles_of(leaf) {
+        for Triangle { primitive, corners: found } in parts.triangles_of(leaf) {
             let at = primitives.partition_point(|before| *before < primitive);
             if *corners[at].get_or_insert(found) != found {
                 return Err(VerifyError::CornersDiffer { leaf: number, primitive });
             }
         }
     }
-    Ok(primitives.into_iter().zip(corners.into_iter().flatten()).collect())
+    let whole = primitives.into_iter().zip(corners.into_iter().flatten());
+    Ok(whole.map(|(primitive, corners)| Triangle { primitive, corners }).collect())
 }
 
 struct Check<'a> {
@@ -201,7 +198,7 @@ impl Check<'_> {
             return self.leaf(number, key, record, &triangles);
         }
         let split = Split::new(key, self.parts.header.padding);
-        let met = |&at: &u32| split.children_met(&self.triangles[at as usize].1);
+        let met = |&at: &u32| split.children_met(&self.triangles[at as usize].corners);
         let masks: Vec<u8> = triangles.par_iter().map(met).collect();
         let counts = (0..8u32).into_par_iter().map(|child| {
             let met = triangles.iter().zip(&masks).filter(|(_, mask)| **mask >> child & 1 == 1);
@@ -219,7 +216,7 @@ impl Check<'_> {
             }
         }
         listed.sort_unstable();
-        let mut expected = triangles.iter().map(|at| self.triangles[*at as usize].0);
+        let mut expected = triangles.iter().map(|at| self.triangles[*at as usize].primitive);
         match expected.find(|primitive| listed.binary_search(primitive).is_err()) {
             Some(primitive) => Err(VerifyError::MissingReference { leaf: number, primitive }),
             None => Ok(triangles.len() as u64),
@@ -227,9 +224,9 @@ impl Check<'_> {
     }
 
     fn block(&self, leaf: u32, key: Key, payload: &Payload, b: usize, block: &Block) -> Result<(), VerifyError> {
-        for (primitive, corners) in block.triangles() {
+        for Triangle { primitive, corners } in block.triangles() {
             let needed = box_inside(key, &corners, self.parts.header.padding);
-            if !encloses(payload.boxed(b), needed) {
+            if !payload.boxed(b).contains(needed) {
                 return Err(VerifyError::SmallBox { leaf, primitive });
             }
         }

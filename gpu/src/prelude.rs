@@ -4,6 +4,7 @@ use core::fmt::Write;
 use core::mem::offset_of;
 
 use crate::pinhole::TILE;
+use leafwalk_core::contract;
 use leafwalk_core::layout::{self, Block, Payload, Record};
 use leafwalk_core::{lanes, step, tables, triangle};
 
@@ -41,12 +42,12 @@ const PAYLOAD_PLACES: [(&str, u32); 2] =
 
 /// Numbers, as WGSL declares them.
 const NUMBERS: [(&str, f32); 9] = [
-    ("PADDING", layout::PADDING),
-    ("BOX_MARGIN", layout::BOX_MARGIN),
-    ("START_MARGIN", layout::START_MARGIN),
-    ("SMALLEST", layout::SMALLEST),
-    ("SMALLEST_DIRECTION", layout::SMALLEST_DIRECTION),
-    ("SMALLEST_SHEARED", layout::SMALLEST_SHEARED),
+    ("PADDING", contract::PADDING),
+    ("BOX_MARGIN", contract::BOX_MARGIN),
+    ("START_MARGIN", contract::START_MARGIN),
+    ("SMALLEST", contract::SMALLEST),
+    ("SMALLEST_DIRECTION", contract::SMALLEST_DIRECTION),
+    ("SMALLEST_SHEARED", contract::SMALLEST_SHEARED),
     ("CANDIDATE_SLACK", triangle::CANDIDATE_SLACK),
     ("STEEP", step::STEEP),
     ("FAR_BEHIND", step::FAR_BEHIND),

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use leafwalk_core::Octree;
 use leafwalk_core::layout::SECTION_ALIGN;
-use leafwalk_core::wire::Section;
+use leafwalk_core::layout::Section;
 
 use crate::chunk::Split;
 use crate::error::GpuError;

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use leafwalk::Octree;
-use leafwalk::wire::{Section, stored_checksum};
+use leafwalk::layout::Section;
+use leafwalk::wire::stored_checksum;
 use serde_json::json;
 
 use super::context::Context;

@@ -1,5 +1,6 @@
 //! What a hit primitive looks like, and where rays that leave it start.
 
+use leafwalk::layout::Triangle;
 use leafwalk::{Hit, Octree};
 
 use super::vector::{Vector, add, cross, dot, scale, sub, unit};
@@ -52,7 +53,7 @@ impl Surfaces {
     pub(crate) fn new<W: AsRef<[u32]>>(octree: &Octree<W>, materials: Vec<Material>) -> Self {
         let parts = octree.parts();
         let mut corners = vec![[[0.0; 3]; 3]; parts.header.primitives as usize];
-        for (primitive, lattice) in parts.leaves().flat_map(|(_, leaf)| parts.triangles_of(leaf)) {
+        for Triangle { primitive, corners: lattice } in parts.leaves().flat_map(|(_, leaf)| parts.triangles_of(leaf)) {
             if let Some(corners) = corners.get_mut(primitive as usize) {
                 *corners = lattice.map(|corner| parts.frame.to_caller(corner).map(|c| c as f32));
             }

@@ -1,7 +1,8 @@
 //! The words of an octree, to be spoiled section by section and sealed again.
 
-use leafwalk_core::layout::{Block, Branch, IndexedBlock, Payload, Record};
-use leafwalk_core::wire::{self, Header, Section, Spans, TABLE_ROW};
+use leafwalk_core::layout::Section;
+use leafwalk_core::layout::{Block, BvhNode, IndexedBlock, Payload, Record};
+use leafwalk_core::wire::{self, Header, Spans, TABLE_ROW};
 use leafwalk_core::{DecodeError, Octree};
 
 /// Where the section table starts.
@@ -63,8 +64,8 @@ impl Edited {
     }
 
     /// The nodes of the BVH.
-    pub fn branches(&mut self) -> &mut [Branch] {
-        bytemuck::cast_slice_mut(self.section(Section::Branches))
+    pub fn bvh(&mut self) -> &mut [BvhNode] {
+        bytemuck::cast_slice_mut(self.section(Section::Bvh))
     }
 
     /// The entry grid.

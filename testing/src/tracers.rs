@@ -4,9 +4,11 @@
 use core::marker::PhantomData;
 
 use leafwalk_core::lanes::Lanes;
+use leafwalk_core::layout::Triangle;
 use leafwalk_core::step::Step;
+use leafwalk_core::testing::{self, Policy};
 use leafwalk_core::triangle::{Shear, intersect};
-use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Octree, Parts, Policy, Ray, Tracer, Walk, one_by_one};
+use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Octree, Parts, Ray, Tracer, Walk, one_by_one};
 use leafwalk_cpu::CpuTracer;
 
 /// Any tracer, whatever it traces.
@@ -38,7 +40,7 @@ pub struct Stepping<'a, S, P>(Walk<'a, S, P>);
 impl<'a, S: Step, P: Policy> Stepping<'a, S, P> {
     /// Walks this octree.
     pub fn new(parts: &'a Parts<'a>) -> Self {
-        Self(Walk::with(parts))
+        Self(testing::walk(parts))
     }
 
     fn answer(&self, ray: &Ray) -> Option<Hit> {
@@ -72,7 +74,7 @@ impl<W: AsRef<[u32]> + Sync> Words for W {}
 /// Tests every triangle that an octree lists, in the arithmetic `L`.
 pub struct Every<'a, L> {
     frame: Frame,
-    triangles: Vec<(u32, [[f32; 3]; 3])>,
+    triangles: Vec<Triangle>,
     kind: PhantomData<&'a L>,
 }
 
@@ -81,8 +83,8 @@ impl<L: Lanes<Mask = bool, Bits = u32>> Every<'_, L> {
     pub fn of<W: AsRef<[u32]>>(octree: &Octree<W>) -> Self {
         let parts = octree.parts();
         let mut triangles: Vec<_> = parts.leaves().flat_map(|(_, leaf)| parts.triangles_of(leaf)).collect();
-        triangles.sort_unstable_by_key(|(primitive, _)| *primitive);
-        triangles.dedup_by_key(|(primitive, _)| *primitive);
+        triangles.sort_unstable_by_key(|triangle| triangle.primitive);
+        triangles.dedup_by_key(|triangle| triangle.primitive);
         Self { frame: parts.frame, triangles, kind: PhantomData }
     }
 
@@ -128,13 +130,10 @@ pub trait ScalarLanes: Lanes<Mask = bool, Bits = u32> {}
 impl<L: Lanes<Mask = bool, Bits = u32>> ScalarLanes for L {}
 
 /// All triangles that a canonical ray hits; `t` is that of the canonical ray.
-fn hits<L: ScalarLanes>(
-    ray: &CanonicalRay,
-    triangles: impl Iterator<Item = (u32, [[f32; 3]; 3])>,
-) -> impl Iterator<Item = Hit> {
+fn hits<L: ScalarLanes>(ray: &CanonicalRay, triangles: impl Iterator<Item = Triangle>) -> impl Iterator<Item = Hit> {
     let number = |x: L| f32::from_bits(x.bits());
     let (shear, axes) = Shear::<L>::new(ray);
-    triangles.filter_map(move |(primitive, corners)| {
+    triangles.filter_map(move |Triangle { primitive, corners }| {
         let (accepted, found) = intersect(&shear, corners.map(|corner| axes.map(|axis| L::splat(corner[axis]))));
         let t = number(found.t);
         let hit = Hit { t, u: number(found.u), v: number(found.v), primitive };
@@ -143,7 +142,7 @@ fn hits<L: ScalarLanes>(
 }
 
 /// The smallest (t', primitive) of the triangles that a canonical ray hits.
-fn closest<L: ScalarLanes>(ray: &CanonicalRay, triangles: impl Iterator<Item = (u32, [[f32; 3]; 3])>) -> Option<Hit> {
+fn closest<L: ScalarLanes>(ray: &CanonicalRay, triangles: impl Iterator<Item = Triangle>) -> Option<Hit> {
     let order = |a: &Hit, b: &Hit| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive));
     hits::<L>(ray, triangles).min_by(order).map(|hit| Hit { t: ray.clock.reported(hit.t), ..hit })
 }

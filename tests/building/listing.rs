@@ -4,7 +4,8 @@
 use std::collections::HashSet;
 
 use leafwalk::{Builder, Mesh};
-use leafwalk_core::layout::{Key, PADDING};
+use leafwalk_core::contract::PADDING;
+use leafwalk_core::layout::{Key, Triangle};
 use leafwalk_testing::meshes;
 use leafwalk_testing::random::Random;
 use rayon::prelude::*;
@@ -51,7 +52,7 @@ fn check(name: &str, mesh: &Mesh, builder: &Builder) {
         .par_iter()
         .map(|(number, leaf)| {
             let key = parts.key(*number);
-            let listed: Vec<u32> = parts.triangles_of(leaf).map(|(primitive, _)| primitive).collect();
+            let listed: Vec<u32> = parts.triangles_of(leaf).map(|triangle| triangle.primitive).collect();
             let set: HashSet<u32> = listed.iter().copied().collect();
             assert_eq!(set.len(), listed.len(), "{name}: leaf {number} lists a triangle twice");
             for (primitive, corners) in (0..).zip(&corners).filter(|(_, corners)| is_listed(corners)) {
@@ -62,7 +63,7 @@ fn check(name: &str, mesh: &Mesh, builder: &Builder) {
                     assert!(near, "{name}: leaf {number} ({key:?}) lists {primitive} {corners:?} from afar");
                 }
             }
-            for (primitive, stored) in parts.triangles_of(leaf) {
+            for Triangle { primitive, corners: stored } in parts.triangles_of(leaf) {
                 assert_eq!(stored, corners[primitive as usize], "{name}: corners of {primitive}");
             }
             listed.len()

@@ -1,9 +1,9 @@
 //! `verify` finds what decoding cannot.
 
-use leafwalk::wire::Section;
 use leafwalk::{Builder, Mesh, Octree, VerifyError, verify, verify_against};
+use leafwalk_core::layout::Section;
 use leafwalk_core::layout::{Child, NONE, Payload};
-use leafwalk_cpu::Spoiled;
+use leafwalk_cpu::testing::{Spoiled, spoil};
 use leafwalk_testing::edited::Edited;
 use leafwalk_testing::meshes;
 
@@ -28,7 +28,7 @@ fn triangles_binned_without_padding_are_found() {
     let mesh = super::listing::lattice_soup(300);
     let builder = Builder::new().step_cost(0.5).reference_budget(64.0);
     verify(&builder.build(&mesh).unwrap()).unwrap();
-    let spoiled = builder.spoil(Spoiled::Padding).build(&mesh).unwrap();
+    let spoiled = spoil(builder, Spoiled::Padding).build(&mesh).unwrap();
     let error = verify(&spoiled).unwrap_err();
     // Boxes of what is listed reach less far as well.
     assert!(matches!(error, VerifyError::MissingReference { .. } | VerifyError::SmallBox { .. }), "{error}");
@@ -96,28 +96,27 @@ fn a_box_that_is_too_small_is_found() {
 }
 
 #[test]
-fn a_block_that_branches_do_not_lead_to_is_found() {
+fn a_block_that_the_bvh_does_not_lead_to_is_found() {
     let (_, octree) = scene();
     let valid = Edited::new(&octree);
     let mut tried = 0;
-    for (number, branch) in octree.parts().branches.iter().enumerate() {
+    for (number, node) in octree.parts().bvh.iter().enumerate() {
         for slot in 0..8 {
-            let (boxed, Child::Block(block)) = branch.child(slot) else { continue };
+            let (boxed, Child::Block(block)) = node.child(slot) else { continue };
             // Another block twice: as many are led to as there are.
             let other = (block + 1) % octree.stats().blocks;
-            let octree =
-                valid.decode_with(|file| file.branches()[number].put(slot, boxed, Child::Block(other))).unwrap();
+            let octree = valid.decode_with(|file| file.bvh()[number].put(slot, boxed, Child::Block(other))).unwrap();
             assert!(matches!(verify(&octree), Err(VerifyError::LostBlock { .. })), "block {block}");
             tried += 1;
         }
     }
-    // Smaller boxes decode only where those of the branches above become smaller, too: at the first.
+    // Smaller boxes decode only where those of the nodes above become smaller, too: at the first.
     for slot in 0..8 {
-        let (boxed, Child::Block(block)) = octree.parts().branches[0].child(slot) else { continue };
-        for k in (0..3).filter(|k| boxed.0[*k] < boxed.1[*k]) {
-            let smaller = valid.decode_with(|file| file.branches()[0].sides[k][1][slot] -= 1).unwrap();
+        let (boxed, Child::Block(block)) = octree.parts().bvh[0].child(slot) else { continue };
+        for k in (0..3).filter(|k| boxed.lower[*k] < boxed.upper[*k]) {
+            let smaller = valid.decode_with(|file| file.bvh()[0].sides[k][1][slot] -= 1).unwrap();
             assert_eq!(verify(&smaller), Err(VerifyError::LostBlock { block }));
-            let smaller = valid.decode_with(|file| file.branches()[0].sides[k][0][slot] += 1).unwrap();
+            let smaller = valid.decode_with(|file| file.bvh()[0].sides[k][0][slot] += 1).unwrap();
             assert_eq!(verify(&smaller), Err(VerifyError::LostBlock { block }));
         }
     }

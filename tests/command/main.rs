@@ -6,8 +6,9 @@ mod interrupts;
 mod picture;
 mod rays;
 
-use leafwalk::wire::{Section, checksum};
+use leafwalk::wire::checksum;
 use leafwalk::{Builder, Octree};
+use leafwalk_core::layout::Section;
 use leafwalk_testing::meshes::{bumpy_sphere, icosphere, soup};
 use leafwalk_testing::shell::{Outcome, Shell, mesh_files, obj};
 

@@ -1,8 +1,9 @@
 //! Compact octrees: their vertices, and blocks that name them.
 
-use leafwalk::wire::Section;
 use leafwalk::{Builder, DecodeError, Octree};
-use leafwalk_core::layout::{IndexedBlock, MESH_MARGIN, NONE, SMALLEST};
+use leafwalk_core::contract::{MESH_MARGIN, SMALLEST};
+use leafwalk_core::layout::Section;
+use leafwalk_core::layout::{IndexedBlock, NONE};
 use leafwalk_testing::edited::Edited;
 use leafwalk_testing::meshes;
 

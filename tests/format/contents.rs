@@ -2,7 +2,8 @@
 
 use leafwalk::DecodeError;
 use leafwalk::wire::Header;
-use leafwalk_core::layout::{Block, MESH_MARGIN, NONE, PADDING, Payload, SMALLEST};
+use leafwalk_core::contract::{MESH_MARGIN, PADDING, SMALLEST};
+use leafwalk_core::layout::{Block, NONE, Payload};
 use leafwalk_testing::edited::Edited;
 
 use crate::{chains, compact, levels, refused};
@@ -211,11 +212,11 @@ fn the_entry_grid_names_the_node_of_each_cell() {
     let words = grid.len() as u32;
     for bits in (0..=8).filter(|bits| 1 << (3 * bits) != words) {
         let error = refused(&valid, |file| file.header().grid_bits = bits);
-        assert_eq!(error, DecodeError::SectionLength { section: leafwalk::wire::Section::Grid, words });
+        assert_eq!(error, DecodeError::SectionLength { section: leafwalk_core::layout::Section::Grid, words });
     }
     // A coarser grid is as good, if it is right: the root alone.
     let mut coarser = valid.clone();
     coarser.header().grid_bits = 0;
-    coarser.replace(leafwalk::wire::Section::Grid, &[0]);
+    coarser.replace(leafwalk_core::layout::Section::Grid, &[0]);
     assert!(coarser.decode().is_ok());
 }

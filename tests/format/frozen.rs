@@ -5,8 +5,8 @@
 
 use std::path::Path;
 
-use leafwalk::wire::Section;
 use leafwalk::{Builder, Hit, Mesh, Octree, Ray, Tracer, hit_hash, verify_against};
+use leafwalk_core::layout::Section;
 use leafwalk_core::layout::{LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, NONE, Record};
 use leafwalk_testing::random::Random;
 use leafwalk_testing::{meshes, rays};

@@ -1,6 +1,6 @@
 //! P6: whatever is wrong with the words, decoding says so, by name and number; and what it accepts is as it was.
 
-mod branches;
+mod bvh;
 mod compact;
 mod contents;
 mod frozen;

@@ -1,8 +1,9 @@
 //! Length, alignment, magic, version, checksum, section table.
 
-use leafwalk::wire::{PREAMBLE_WORDS, Section, TABLE_ROW};
+use leafwalk::wire::{PREAMBLE_WORDS, TABLE_ROW};
 use leafwalk::{DecodeError, Octree};
 use leafwalk_core::layout::SECTION_ALIGN;
+use leafwalk_core::layout::Section;
 use leafwalk_testing::edited::reseal;
 use leafwalk_testing::random::Random;
 
@@ -164,8 +165,8 @@ fn a_section_must_stand_in_the_table_once() {
         let error = refused(&valid, |file| file.row(section)[0] = u32::from_le_bytes(*b"none"));
         assert!(matches!(error, DecodeError::BadRecord { .. } | DecodeError::BadPayload { .. }), "{error}");
     }
-    let error = refused(&valid, |file| file.row(Section::Branches)[0] = u32::from_le_bytes(*b"none"));
-    assert_eq!(error, DecodeError::SectionLength { section: Section::Branches, words: 0 });
+    let error = refused(&valid, |file| file.row(Section::Bvh)[0] = u32::from_le_bytes(*b"none"));
+    assert_eq!(error, DecodeError::SectionLength { section: Section::Bvh, words: 0 });
     assert!(valid.decode_with(|file| file.row(Section::Materials)[0] = u32::from_le_bytes(*b"none")).is_ok());
 }
 

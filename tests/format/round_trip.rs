@@ -1,7 +1,8 @@
 //! Words to bytes and back; sections of a later writer; nothing at all.
 
-use leafwalk::wire::{self, Header, PREAMBLE_WORDS, Section, TABLE_ROW};
+use leafwalk::wire::{self, Header, PREAMBLE_WORDS, TABLE_ROW};
 use leafwalk::{Builder, Hit, Mesh, Octree, Ray, Tracer, hit_hash};
+use leafwalk_core::layout::Section;
 use leafwalk_core::layout::{
     BLOCK_WORDS, Block, INDEXED_BLOCK_WORDS, IndexedBlock, KEY_WORDS, Key, PAYLOAD_WORDS, Payload, RECORD_WORDS,
     Record, SECTION_ALIGN,

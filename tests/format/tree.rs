@@ -1,7 +1,7 @@
 //! Records, keys, children.
 
-use leafwalk::wire::Section;
 use leafwalk::{Builder, DecodeError, Mesh, RecordFault};
+use leafwalk_core::layout::Section;
 use leafwalk_core::layout::{CHAINED, MAX_LEVEL, Record, RecordHead};
 use leafwalk_testing::edited::Edited;
 

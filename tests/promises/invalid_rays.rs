@@ -2,7 +2,7 @@
 
 use leafwalk::{Builder, CpuTracer, Hit, Octree, Ray, Tracer, Work};
 use leafwalk_core::step::{Pluecker, Slab, Step};
-use leafwalk_core::{Standard, Walk};
+use leafwalk_core::testing::{self, Standard};
 use leafwalk_testing::meshes;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::rays::hex;
@@ -47,7 +47,7 @@ fn invalid() -> Vec<Ray> {
 
 fn visits_nothing<S: Step>(octree: &Octree<Vec<u32>>, ray: &Ray) {
     let parts = octree.parts();
-    let walk = Walk::<S, Standard>::with(&parts);
+    let walk = testing::walk::<S, Standard>(&parts);
     assert_eq!(walk.closest_hit_with_work(ray), (None, Work::default()), "{}", hex(ray));
     assert!(!walk.occluded(ray), "{}", hex(ray));
     walk.visit(ray, |record, _| panic!("visited record {record}: {}", hex(ray)));

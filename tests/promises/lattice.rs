@@ -5,7 +5,7 @@ use leafwalk::{Builder, Mesh, Octree, Parts, Ray};
 use leafwalk_core::lanes::{Bits, Lanes};
 use leafwalk_core::layout::{Key, LATTICE};
 use leafwalk_core::step::{self, Cell, Exit, Pluecker, Slab, Step};
-use leafwalk_core::{Standard, Walk};
+use leafwalk_core::testing::{self, Standard};
 use leafwalk_testing::rays::hex;
 use leafwalk_testing::tally::{Tally, tally};
 
@@ -123,7 +123,7 @@ fn walk<S: Step>(parts: &Parts<'_>, line: Line, index: u64, tally: &mut Tally) {
     for zero in [0.0, -0.0] {
         let direction = line.direction.map(|d| if d == 0 { zero } else { d as f32 });
         let ray = Ray::new(line.origin.map(|c| c as f32), direction);
-        let walk = Walk::<S, Standard>::with(parts);
+        let walk = testing::walk::<S, Standard>(parts);
         assert_eq!(walk.closest_hit(&ray), None, "a hit would end the walk early: {line:?}");
         let mut cells = Vec::new();
         walk.visit(&ray, |_, key: Key| {

@@ -5,7 +5,7 @@ use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use glam::DVec3;
 use leafwalk::{Frame, Hit, Mesh, Ray};
-use leafwalk_core::layout::ROUNDOFF;
+use leafwalk_core::contract::ROUNDOFF;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::tally::{Tally, scaled, tally};
 use leafwalk_testing::tracers::Any;

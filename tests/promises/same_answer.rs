@@ -1,8 +1,9 @@
 //! P2: an octree gives what testing every triangle gives, all bits.
 
 use leafwalk::{Builder, CpuTracer, Hit, Mesh, Ray, Tracer, Work};
-use leafwalk_core::Standard;
 use leafwalk_core::step::{Pluecker, Slab};
+use leafwalk_core::testing::Standard;
+use leafwalk_cpu::testing;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::rays::Shared;
 use leafwalk_testing::tally::{Tally, bits, scaled, tally};
@@ -69,10 +70,10 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
     let slab = Stepping::<Slab, Standard>::new(&parts);
     let pluecker = Stepping::<Pluecker, Standard>::new(&parts);
     let batches = CpuTracer::new(scene.octree.view());
-    let portable = batches.clone().portable();
+    let portable = testing::portable(batches.clone());
     let (singles, portable_singles) = (OneByOne(&batches), OneByOne(&portable));
-    let (streamed, portable_streamed) = (batches.clone().streamed(), portable.clone().streamed());
-    let in_flight = batches.clone().in_flight();
+    let (streamed, portable_streamed) = (testing::streamed(batches.clone()), testing::streamed(portable.clone()));
+    let interleaved = testing::interleaved(batches.clone());
     let tracers: [Named<'_>; 10] = [
         ("the octree", &scene.octree),
         ("the walk with slab steps", &slab),
@@ -80,7 +81,7 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
         ("batches", &batches),
         ("single rays", &singles),
         ("streams", &streamed),
-        ("rays in flight", &in_flight),
+        ("interleaved rays", &interleaved),
         ("portable batches", &portable),
         ("portable single rays", &portable_singles),
         ("portable streams", &portable_streamed),
@@ -88,13 +89,13 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
     differences(&tracers, &scene.brute_force, &hard(mesh), scaled(count), seed).passes(name, 0.05);
     // What is right by now is the oracle for the compact octree.
     let compact = CpuTracer::new(scene.compact.view());
-    let (streamed, in_flight) = (compact.clone().streamed(), compact.clone().in_flight());
+    let (streamed, interleaved) = (testing::streamed(compact.clone()), testing::interleaved(compact.clone()));
     let tracers: [Named<'_>; 5] = [
         ("the compact octree", &scene.compact),
         ("compact batches", &compact),
         ("compact single rays", &OneByOne(&compact)),
         ("compact streams", &streamed),
-        ("compact rays in flight", &in_flight),
+        ("compact interleaved rays", &interleaved),
     ];
     differences(&tracers, &scene.octree, &hard(mesh), scaled(count / 8), seed + 700)
         .passes(&format!("{name}, compact"), 0.05);

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use leafwalk::{CpuTracer, Hit, Mesh, Ray};
-use leafwalk_core::Standard;
 use leafwalk_core::step::Pluecker;
+use leafwalk_core::testing::Standard;
 use leafwalk_testing::meshes;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::rays::{self, Target, hex};

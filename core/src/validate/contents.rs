@@ -5,10 +5,9 @@ use super::wrong_length;
 use crate::blocks::{Blocks, Indexed};
 use crate::error::{DecodeError, RecordFault};
 use crate::layout::{
-    ABSENT, BLOCK_WORDS, CHAINED, INDEXED_BLOCK_WORDS, LatticeBox, NONE, PAYLOAD_BLOCKS, PAYLOAD_WORDS, Payload,
+    BLOCK_WORDS, CHAINED, INDEXED_BLOCK_WORDS, LatticeBox, NONE, PAYLOAD_BLOCKS, PAYLOAD_WORDS, Payload, Section,
 };
-use crate::octree::Parts;
-use crate::wire::Section;
+use crate::parts::Parts;
 
 /// What has been taken up so far.
 pub(super) struct Contents<'a> {
@@ -59,16 +58,14 @@ impl<'a> Contents<'a> {
     /// Whether a payload has its blocks, and the tight box of the leaf its boxes.
     fn is_consistent(&self, payload: &Payload, tight: LatticeBox) -> bool {
         let count = payload.count as usize;
-        let is_inside = |outer: LatticeBox, inner: LatticeBox| {
-            (0..3).all(|k| outer.0[k] <= inner.0[k] && inner.0[k] <= inner.1[k] && inner.1[k] <= outer.1[k])
-        };
+        let is_inside = |outer: LatticeBox, inner: LatticeBox| inner.is_whole() && outer.contains(inner);
         let own = payload.hull();
         (1..=PAYLOAD_BLOCKS).contains(&count)
             && payload.unused == [0; 2]
             && payload.first as usize + count <= self.parts.blocks.len()
             && is_inside(tight, own)
             && (0..count).all(|block| is_inside(own, payload.boxed(block)))
-            && (count..PAYLOAD_BLOCKS).all(|block| payload.boxed(block) == ABSENT)
+            && (count..PAYLOAD_BLOCKS).all(|block| payload.boxed(block) == LatticeBox::EMPTY)
     }
 
     /// Nothing may be left over.

@@ -1,18 +1,17 @@
 //! Everything that tracing relies on, checked once: after this nothing can go out of bounds, and no walk can loop.
 
-mod branches;
+mod bvh;
 mod contents;
 mod tree;
 mod triangles;
 
+use crate::contract::{MESH_MARGIN, PADDING};
 use crate::error::DecodeError;
 use crate::frame::Frame;
 use crate::layout::{
-    KEY_WORDS, Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, MAX_LEVEL, MESH_MARGIN, NONE, PADDING,
-    RECORD_WORDS, Record,
+    KEY_WORDS, Key, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, MAX_LEVEL, NONE, RECORD_WORDS, Record, Section,
 };
-use crate::octree::Parts;
-use crate::wire::Section;
+use crate::parts::Parts;
 
 /// Finest entry grid that a header may ask for.
 const MAX_GRID_BITS: u32 = 8;
@@ -22,7 +21,7 @@ pub(crate) fn sections(parts: &Parts<'_>, keeps_margin: bool) -> Result<(), Deco
     header(parts)?;
     lengths(parts)?;
     tree::check(parts)?;
-    branches::check(parts)?;
+    bvh::check(parts)?;
     for (number, leaf) in parts.leaves() {
         links(parts, number, leaf)?;
     }
@@ -99,9 +98,8 @@ fn links(parts: &Parts<'_>, number: u32, leaf: &Record) -> Result<(), DecodeErro
 /// Each entry of the grid names the deepest node, no finer than the grid, whose cell holds the entry's.
 fn grid(parts: &Parts<'_>) -> Result<(), DecodeError> {
     let bits = parts.header.grid_bits;
-    let edge = LATTICE >> bits;
     for (entry, &number) in (0..).zip(parts.grid) {
-        let corner: [u32; 3] = core::array::from_fn(|k| (entry >> (k as u32 * bits) & ((1 << bits) - 1)) * edge);
+        let Key { corner, .. } = Key::of_grid(entry, bits);
         let record = parts.records.get(number as usize).filter(|_| number == 0 || number > 7);
         let is_right = record.is_some_and(|record| {
             let key = parts.key(number);

@@ -3,7 +3,7 @@
 use super::contents::Contents;
 use crate::error::{DecodeError, RecordFault};
 use crate::layout::{Key, MAX_LEVEL, Record};
-use crate::octree::Parts;
+use crate::parts::Parts;
 
 /// Levels, keys and children: a depth-first traversal must meet the sibling blocks in the order of their numbers.
 ///

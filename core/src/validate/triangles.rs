@@ -4,10 +4,10 @@ use core::ops::RangeInclusive;
 
 use super::wrong_length;
 use crate::blocks::{Blocks, Indexed};
+use crate::contract::SMALLEST;
 use crate::error::DecodeError;
-use crate::layout::{BLOCK_WIDTH, Block, IndexedBlock, NONE, SMALLEST, VERTEX_WORDS};
-use crate::octree::Parts;
-use crate::wire::Section;
+use crate::layout::{BLOCK_WIDTH, Block, IndexedBlock, NONE, Section, VERTEX_WORDS};
+use crate::parts::Parts;
 
 /// Checks all blocks, and that they hold as many triangles as the header says.
 pub(super) fn check(parts: &Parts<'_>, margin: f32) -> Result<(), DecodeError> {

@@ -1,15 +1,17 @@
 //! The sections as one run of words.
 
+use leafwalk_core::Octree;
+use leafwalk_core::contract::PADDING;
 use leafwalk_core::layout::{
-    BLOCK_WORDS, BRANCH_WORDS, Block, INDEXED_BLOCK_WORDS, KEY_WORDS, PADDING, PAYLOAD_WORDS, Payload, RECORD_WORDS,
+    BLOCK_WORDS, BVH_NODE_WORDS, Block, INDEXED_BLOCK_WORDS, KEY_WORDS, PAYLOAD_WORDS, Payload, RECORD_WORDS, Section,
     VERTEX_WORDS,
 };
-use leafwalk_core::wire::{self, Header, Section};
-use leafwalk_core::{Octree, Policy, Standard};
+use leafwalk_core::testing::{self, Policy};
+use leafwalk_core::wire::{self, Header};
 use rayon::prelude::*;
 
-use super::branch;
-use super::index::index;
+use super::bvh;
+use super::compact::index;
 use super::leaf::{Lister, Listing, block_count};
 use super::link::{Linked, Payloads, link};
 use super::monitor::Monitor;
@@ -32,7 +34,7 @@ pub(crate) fn assemble(
     let linked = link(tree);
     let listings = list_leaves(normalised, tree, &linked, settings, monitor)?;
     let payloads: Vec<Payload> = listings.iter().flat_map(|listing| &listing.payloads).copied().collect();
-    let branches = branch::grow(&payloads);
+    let bvh = bvh::grow(&payloads);
     let (blocks, (indexed, vertices)) = if settings.is_compact {
         (0, index(listings.iter().flat_map(|listing| listing.blocks(&normalised.triangles))))
     } else {
@@ -59,7 +61,7 @@ pub(crate) fn assemble(
         Section::Blocks => blocks * BLOCK_WORDS,
         Section::IndexedBlocks => indexed.len() * INDEXED_BLOCK_WORDS,
         Section::Vertices => vertices.len() * VERTEX_WORDS,
-        Section::Branches => branches.len() * BRANCH_WORDS,
+        Section::Bvh => bvh.len() * BVH_NODE_WORDS,
         Section::Grid => linked.grid.len(),
         Section::Materials => mesh.material_ids.len(),
         _ => 0,
@@ -95,13 +97,13 @@ pub(crate) fn assemble(
     }
     section(Section::IndexedBlocks).copy_from_slice(bytemuck::cast_slice(&indexed));
     section(Section::Vertices).copy_from_slice(bytemuck::cast_slice(&vertices));
-    section(Section::Branches).copy_from_slice(bytemuck::cast_slice(&branches));
+    section(Section::Bvh).copy_from_slice(bytemuck::cast_slice(&bvh));
     section(Section::Grid).copy_from_slice(&linked.grid);
     section(Section::Materials).copy_from_slice(&mesh.material_ids);
     wire::seal(&mut words, &spans);
     let octree = match settings.spoiled {
-        Spoiled::MeshMargin => Octree::from_sealed::<Touching>(words),
-        _ => Octree::from_sealed::<Standard>(words),
+        Spoiled::MeshMargin => testing::from_sealed::<_, Touching>(words),
+        _ => Octree::from_sealed(words),
     };
     Ok(octree.unwrap_or_else(|error| unreachable!("a build gives valid words: {error}")))
 }

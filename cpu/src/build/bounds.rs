@@ -11,7 +11,7 @@ pub(super) struct Bounds(i16x8);
 impl Bounds {
     pub(super) const EMPTY: Self = Self(i16x8::new([i16::MAX; 8]));
 
-    pub(super) fn new((lower, upper): LatticeBox) -> Self {
+    pub(super) fn new(LatticeBox { lower, upper }: LatticeBox) -> Self {
         let [a, b, c] = lower.map(|side| (side ^ 0x8000) as i16);
         let [d, e, f] = upper.map(|side| (!side ^ 0x8000) as i16);
         Self(i16x8::new([a, b, c, 0, d, e, f, 0]))
@@ -26,7 +26,10 @@ impl Bounds {
 
     pub(super) fn boxed(self) -> LatticeBox {
         let [a, b, c, _, d, e, f, _] = self.0.to_array();
-        ([a, b, c].map(|side| side as u16 ^ 0x8000), [d, e, f].map(|side| !(side as u16 ^ 0x8000)))
+        LatticeBox {
+            lower: [a, b, c].map(|side| side as u16 ^ 0x8000),
+            upper: [d, e, f].map(|side| !(side as u16 ^ 0x8000)),
+        }
     }
 
     #[inline]
@@ -60,23 +63,30 @@ impl Bounds {
 mod tests {
     use super::*;
 
+    fn lattice_box(lower: [u16; 3], upper: [u16; 3]) -> LatticeBox {
+        LatticeBox { lower, upper }
+    }
+
     #[test]
     fn boxes_survive() {
-        for boxed in [([0; 3], [u16::MAX; 3]), ([1, 2, 3], [4, 5, 6]), ([32767, 32768, 9], [32768, 65534, 9])] {
+        for (lower, upper) in [([0; 3], [u16::MAX; 3]), ([1, 2, 3], [4, 5, 6]), ([32767, 32768, 9], [32768, 65534, 9])]
+        {
+            let boxed = lattice_box(lower, upper);
             assert_eq!(Bounds::new(boxed).boxed(), boxed);
             let steps = |[x, y, z]: [u16; 3]| i32x4::new([x.into(), y.into(), z.into(), 0]);
-            assert_eq!(Bounds::of_steps(steps(boxed.0), steps(boxed.1)).boxed(), boxed);
+            assert_eq!(Bounds::of_steps(steps(lower), steps(upper)).boxed(), boxed);
         }
         let beyond = Bounds::of_steps(i32x4::splat(7), i32x4::splat(65536));
-        assert_eq!(beyond.boxed(), ([7; 3], [u16::MAX; 3]));
+        assert_eq!(beyond.boxed(), lattice_box([7; 3], [u16::MAX; 3]));
     }
 
     #[test]
     fn clamped_boxes_lie_inside() {
         let (first, last) = ([16; 3], [31; 3]);
-        let clamp = |boxed| Bounds::new(boxed).clamp(Bounds::new((first, last)), Bounds::new((last, first))).boxed();
-        assert_eq!(clamp(([0; 3], [40; 3])), (first, last));
-        assert_eq!(clamp(([20; 3], [21; 3])), ([20; 3], [21; 3]));
-        assert_eq!(clamp(([0; 3], [3; 3])), (first, first));
+        let (least, most) = (Bounds::new(lattice_box(first, last)), Bounds::new(lattice_box(last, first)));
+        let clamp = |lower, upper| Bounds::new(lattice_box(lower, upper)).clamp(least, most).boxed();
+        assert_eq!(clamp([0; 3], [40; 3]), lattice_box(first, last));
+        assert_eq!(clamp([20; 3], [21; 3]), lattice_box([20; 3], [21; 3]));
+        assert_eq!(clamp([0; 3], [3; 3]), lattice_box(first, first));
     }
 }

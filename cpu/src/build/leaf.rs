@@ -1,6 +1,6 @@
 //! What leaves list: triangles grouped into blocks of eight, their boxes, payloads.
 
-use leafwalk_core::layout::{ABSENT, BLOCK_WIDTH, Block, Key, LatticeBox, NONE, PAYLOAD_BLOCKS, Payload, hull};
+use leafwalk_core::layout::{BLOCK_WIDTH, Block, Key, LatticeBox, NONE, PAYLOAD_BLOCKS, Payload, Triangle};
 use wide::f32x4;
 
 use super::bounds::Bounds;
@@ -33,7 +33,7 @@ impl Listing {
     }
 
     /// Leaf after leaf; only the last of each has vacant lanes.
-    pub(crate) fn blocks(&self, triangles: &[(u32, [[f32; 3]; 3])]) -> impl Iterator<Item = Block> {
+    pub(crate) fn blocks(&self, triangles: &[Triangle]) -> impl Iterator<Item = Block> {
         let mut references = &self.references[..];
         let of_leaf = move |&count: &usize| {
             let (own, tail) = references.split_at(count);
@@ -46,7 +46,7 @@ impl Listing {
 
 /// Lists leaf after leaf, in memory that serves for all of them.
 pub(crate) struct Lister<'a> {
-    triangles: &'a [(u32, [[f32; 3]; 3])],
+    triangles: &'a [Triangle],
     settings: &'a Settings,
     pub(crate) listing: Listing,
     parts: Vec<Part>,
@@ -55,7 +55,7 @@ pub(crate) struct Lister<'a> {
 }
 
 impl<'a> Lister<'a> {
-    pub(crate) fn new(triangles: &'a [(u32, [[f32; 3]; 3])], settings: &'a Settings) -> Self {
+    pub(crate) fn new(triangles: &'a [Triangle], settings: &'a Settings) -> Self {
         let (parts, keys, boxes) = Default::default();
         Self { triangles, settings, listing: Listing::default(), parts, keys, boxes }
     }
@@ -64,7 +64,7 @@ impl<'a> Lister<'a> {
     pub(crate) fn list(&mut self, cell: Key, references: &[u32], payload: u32, block: u32) {
         let cell = Cell::new(cell, self.settings.padding);
         self.parts.clear();
-        self.parts.extend(references.iter().map(|reference| cell.part(&self.triangles[*reference as usize].1)));
+        self.parts.extend(references.iter().map(|reference| cell.part(&self.triangles[*reference as usize].corners)));
         self.keys.clear();
         self.keys.extend(0..references.len() as u64);
         group(&mut self.keys, &self.parts);
@@ -79,8 +79,9 @@ impl<'a> Lister<'a> {
         self.listing.counts.push(references.len());
         let (boxes, count) = (&self.boxes, payload_count(references.len()));
         let in_payload = |(i, own): (usize, &[LatticeBox])| {
-            let boxed = Payload::of_boxes(core::array::from_fn(|b| own.get(b).copied().unwrap_or(ABSENT)));
-            let (lower, upper) = if i == 0 { hull(boxes.iter().copied()) } else { boxed.hull() };
+            let boxed = Payload::of_boxes(core::array::from_fn(|b| own.get(b).copied().unwrap_or(LatticeBox::EMPTY)));
+            let LatticeBox { lower, upper } =
+                if i == 0 { LatticeBox::around(boxes.iter().copied()) } else { boxed.hull() };
             let next = if i + 1 == count { NONE } else { payload + i as u32 + 1 };
             Payload { lower, upper, first: block + (i * PAYLOAD_BLOCKS) as u32, next, ..boxed }
         };
@@ -121,18 +122,18 @@ fn group(keys: &mut [u64], parts: &[Part]) {
     group(right, parts);
 }
 
-/// A step smaller where boxes are spoiled.
-fn spoil((lower, upper): LatticeBox, spoiled: Spoiled) -> LatticeBox {
+/// The box, a step smaller where boxes are spoiled.
+fn spoil(LatticeBox { lower, upper }: LatticeBox, spoiled: Spoiled) -> LatticeBox {
     let shrink = |k: usize| u16::from(spoiled == Spoiled::Boxes && lower[k] < upper[k]);
-    (lower, core::array::from_fn(|k| upper[k] - shrink(k)))
+    LatticeBox { lower, upper: core::array::from_fn(|k| upper[k] - shrink(k)) }
 }
 
 /// The block of up to eight references.
-fn pack(group: &[u32], triangles: &[(u32, [[f32; 3]; 3])]) -> Block {
+fn pack(group: &[u32], triangles: &[Triangle]) -> Block {
     let mut block = Block::VACANT;
     for lane in 0..BLOCK_WIDTH {
         let reference = group.get(lane);
-        let (primitive, corners) = &triangles[*reference.unwrap_or(&group[0]) as usize];
+        let Triangle { primitive, corners } = &triangles[*reference.unwrap_or(&group[0]) as usize];
         block.primitives[lane] = reference.map_or(NONE, |_| *primitive);
         for (corner, axis) in (0..9).map(|i| (i / 3, i % 3)) {
             block.vertices[corner][axis][lane] = corners[corner][axis];

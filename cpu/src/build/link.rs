@@ -145,18 +145,16 @@ fn grid_bits(tree: &Tree) -> u32 {
 
 fn grid(linked: &Linked) -> Vec<u32> {
     let bits = linked.grid_bits;
-    let edge = LATTICE >> bits;
     (0..1u32 << (3 * bits))
         .map(|entry| {
-            let corner: [u32; 3] = core::array::from_fn(|k| (entry >> (k as u32 * bits) & ((1 << bits) - 1)) * edge);
+            let Key { corner, .. } = Key::of_grid(entry, bits);
             let mut number = 0;
             for level in 0..bits {
                 let record = &linked.records[number as usize];
                 if !record.head().is_inner() {
                     break;
                 }
-                let bit = LATTICE >> (level + 1);
-                number = record.offset + (0..3).fold(0, |octant, k| octant | u32::from(corner[k] & bit != 0) << k);
+                number = record.offset + Key::octant_towards(LATTICE >> level, corner);
             }
             number
         })

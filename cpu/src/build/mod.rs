@@ -2,10 +2,10 @@
 
 mod assemble;
 mod bounds;
-mod branch;
+mod bvh;
 mod clip;
+mod compact;
 mod error;
-mod index;
 mod leaf;
 mod link;
 mod monitor;
@@ -18,7 +18,8 @@ mod tree;
 use core::ops::ControlFlow;
 
 use leafwalk_core::Octree;
-use leafwalk_core::layout::{MAX_LEVEL, PADDING};
+use leafwalk_core::contract::PADDING;
+use leafwalk_core::layout::MAX_LEVEL;
 
 pub use error::BuildError;
 pub(crate) use normalise::{NonFinite, Normalised, normalise, normalise_with};
@@ -57,15 +58,14 @@ pub struct Builder {
     memory_limit: u64,
     non_finite: NonFinite,
     is_compact: bool,
-    spoiled: Spoiled,
+    pub(crate) spoiled: Spoiled,
 }
 
 /// Clauses of the numeric contract that a test may have broken, to prove that it would notice.
-#[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Spoiled {
-    /// None.
+    /// The contract holds.
     Nothing,
     /// Triangles are binned without padding, though the header claims it.
     Padding,
@@ -158,13 +158,6 @@ impl Builder {
         Self { is_compact: true, ..self }
     }
 
-    /// Breaks a clause of the contract.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn spoil(self, spoiled: Spoiled) -> Self {
-        Self { spoiled, ..self }
-    }
-
     /// Builds on the threads of the current rayon pool.
     ///
     /// # Errors
@@ -205,7 +198,7 @@ impl Builder {
             _ => normalise_with(mesh, self.non_finite)?,
         };
         if self.spoiled == Spoiled::CollinearTriangles {
-            normalised.triangles.retain(|(_, corners)| !normalise::is_collinear(corners));
+            normalised.triangles.retain(|triangle| !normalise::is_collinear(&triangle.corners));
             normalised.dropped = (mesh.triangles.len() - normalised.triangles.len()) as u32;
         }
         Ok(normalised)

@@ -3,6 +3,8 @@
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
 use leafwalk_core::Frame;
+use leafwalk_core::layout::Triangle;
+use leafwalk_core::testing::frame_touching;
 use rayon::prelude::*;
 
 use super::BuildError;
@@ -10,7 +12,7 @@ use crate::mesh::Mesh;
 
 /// Bytes that the normalised mesh takes, and what it is made from.
 pub(crate) fn bytes_needed(mesh: &Mesh) -> u64 {
-    let triangle = size_of::<(u32, [[f32; 3]; 3])>();
+    let triangle = size_of::<Triangle>();
     let vertex = size_of::<[f32; 3]>() + size_of::<AtomicBool>();
     mesh.triangles.len() as u64 * triangle as u64 + mesh.positions.len() as u64 * vertex as u64
 }
@@ -19,8 +21,8 @@ pub(crate) fn bytes_needed(mesh: &Mesh) -> u64 {
 #[derive(Clone, Debug)]
 pub(crate) struct Normalised {
     pub(crate) frame: Frame,
-    /// Primitive and corners in lattice units, by ascending primitive.
-    pub(crate) triangles: Vec<(u32, [[f32; 3]; 3])>,
+    /// The triangles by ascending primitive.
+    pub(crate) triangles: Vec<Triangle>,
     /// Left out: two corners are equal after rounding, or one is not finite (lenient builds).
     pub(crate) dropped: u32,
     /// Of those, how many had three different corners before rounding.
@@ -42,7 +44,7 @@ pub(crate) fn normalise(mesh: &Mesh) -> Result<Normalised, BuildError> {
 
 /// With vertices on the root's faces, which the contract forbids.
 pub(crate) fn normalise_touching(mesh: &Mesh) -> Result<Normalised, BuildError> {
-    normalise_into(mesh, NonFinite::Refused, Frame::touching)
+    normalise_into(mesh, NonFinite::Refused, frame_touching)
 }
 
 pub(crate) fn normalise_with(mesh: &Mesh, non_finite: NonFinite) -> Result<Normalised, BuildError> {
@@ -83,12 +85,12 @@ fn normalise_into(
             let is_whole = !corners.contains(&LEFT_OUT) && !has_equal_corners(&mesh.corners(primitive));
             collapsed.fetch_add(u32::from(is_whole), Relaxed);
         }
-        (primitive as u32, corners)
+        Triangle { primitive: primitive as u32, corners }
     };
     let mut triangles: Vec<_> = mesh.triangles.par_iter().enumerate().map(triangle).collect();
     let (dropped, collapsed) = (dropped.into_inner(), collapsed.into_inner());
     if dropped > 0 {
-        triangles.retain(|(_, corners)| is_listed(corners));
+        triangles.retain(|triangle| is_listed(&triangle.corners));
     }
     Ok(Normalised { frame, triangles, dropped, collapsed, rounding })
 }

@@ -29,8 +29,8 @@ impl Cell {
         let (first, last) = (key.corner.map(|c| c as u16), key.corner.map(|c| (c + key.size() - 1) as u16));
         Self {
             dilated: Span::new(lower.map(|c| c - padding), upper.map(|c| c + padding)),
-            least: Bounds::new((first, last)),
-            most: Bounds::new((last, first)),
+            least: Bounds::new(LatticeBox { lower: first, upper: last }),
+            most: Bounds::new(LatticeBox { lower: last, upper: first }),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Splitting: breadth first, level by level, while it lowers the expected cost of a ray, balanced as it goes.
 
-use leafwalk_core::layout::{Key, LATTICE, NONE};
+use leafwalk_core::layout::{Key, LATTICE, NONE, Triangle};
 use rayon::prelude::*;
 
 use super::monitor::Monitor;
@@ -83,12 +83,8 @@ impl Tree {
         &self.references[leaf.start..leaf.start + leaf.len]
     }
 
-    /// Splits the root cell over all triangles, given as (primitive, corners).
-    pub(crate) fn grow(
-        triangles: &[(u32, [[f32; 3]; 3])],
-        settings: &Settings,
-        monitor: &Monitor<'_>,
-    ) -> Result<Self, BuildError> {
+    /// Splits the root cell over all triangles.
+    pub(crate) fn grow(triangles: &[Triangle], settings: &Settings, monitor: &Monitor<'_>) -> Result<Self, BuildError> {
         let root = Node { key: Key::ROOT, children: NONE, start: 0, len: 0 };
         let mut tree = Self { nodes: vec![root], references: Vec::new(), live: 0 };
         let mut grower = Grower { triangles, settings, tree: &mut tree, total: triangles.len() };
@@ -109,15 +105,14 @@ impl Tree {
             if node.is_leaf() {
                 break;
             }
-            let bit = LATTICE >> (level + 1);
-            at = node.children + (0..3).fold(0, |octant, k| octant | u32::from(cell.corner[k] & bit != 0) << k);
+            at = node.children + Key::octant_towards(LATTICE >> level, cell.corner);
         }
         at
     }
 }
 
 struct Grower<'a> {
-    triangles: &'a [(u32, [[f32; 3]; 3])],
+    triangles: &'a [Triangle],
     settings: &'a Settings,
     tree: &'a mut Tree,
     /// References in leaves and open nodes.
@@ -207,7 +202,7 @@ impl Grower<'_> {
         for (references, masks) in references.chunks(MOST_SPREAD).zip(masks.chunks_mut(MOST_SPREAD)) {
             let mut spread = 0;
             for (&reference, mask) in references.iter().zip(masks) {
-                *mask = split.children_met(&self.triangles[reference as usize].1);
+                *mask = split.children_met(&self.triangles[reference as usize].corners);
                 spread += SPREAD[*mask as usize];
             }
             for (count, byte) in counts.iter_mut().zip(spread.to_le_bytes()) {
@@ -303,7 +298,7 @@ impl Grower<'_> {
             let split = Split::new(node.key, self.settings.padding);
             let mut parts: [Vec<u32>; 8] = Default::default();
             for &reference in self.tree.references(node) {
-                let met = split.children_met(&self.triangles[reference as usize].1);
+                let met = split.children_met(&self.triangles[reference as usize].corners);
                 for (child, part) in parts.iter_mut().enumerate() {
                     if met >> child & 1 == 1 {
                         part.push(reference);
@@ -324,7 +319,7 @@ impl Grower<'_> {
         let bytes = lists as u64 * BYTES_PER_LISTED
             + self.total as u64 * BYTES_PER_REFERENCE
             + self.tree.nodes.len() as u64 * BYTES_PER_NODE
-            + self.triangles.len() as u64 * size_of::<(u32, [[f32; 3]; 3])>() as u64;
+            + self.triangles.len() as u64 * size_of::<Triangle>() as u64;
         self.settings.check_memory(bytes)
     }
 }

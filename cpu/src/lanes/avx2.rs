@@ -217,7 +217,7 @@ impl Eight for Avx2 {
         })
     }
     #[inline(always)]
-    fn pick(self, lanes: &[u8; 8], flip: u32) -> Self {
+    fn permute_lanes(self, lanes: &[u8; 8], flip: u32) -> Self {
         let lanes = unsafe { _mm256_cvtepu8_epi32(_mm_loadl_epi64(lanes.as_ptr().cast())) };
         Self(unsafe { _mm256_permutevar8x32_ps(self.0, _mm256_xor_si256(lanes, _mm256_set1_epi32(flip as i32))) })
     }
@@ -259,9 +259,5 @@ impl Eight for Avx2 {
         let mut values = [0.0; 8];
         unsafe { _mm256_storeu_ps(values.as_mut_ptr(), self.0) };
         values
-    }
-    #[inline(always)]
-    fn signs(self) -> u32 {
-        unsafe { _mm256_movemask_ps(self.0) as u32 }
     }
 }

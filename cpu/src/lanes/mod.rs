@@ -16,7 +16,7 @@ pub(crate) trait Eight: Lanes {
     const PREFETCHES: bool;
     /// One number a lane.
     fn load(values: &[f32; 8]) -> Self;
-    /// In which order a ray looks at the slots of branches.
+    /// In which order a ray looks at the slots of nodes.
     type Order: Copy + core::fmt::Debug;
     /// The lane of a slot is the slot, not its place in the ray's order.
     const IS_BY_SLOT: bool;
@@ -25,13 +25,11 @@ pub(crate) trait Eight: Lanes {
     /// Lattice steps as numbers: those of slots, in the ray's order or not (see [`Eight::IS_BY_SLOT`]).
     fn from_steps(steps: &[u16; 8], order: Self::Order) -> Self;
     /// Lane i: what lane `lanes[i]` XOR `flip` holds, both below 8. It need not be a number.
-    fn pick(self, lanes: &[u8; 8], flip: u32) -> Self;
+    fn permute_lanes(self, lanes: &[u8; 8], flip: u32) -> Self;
     /// Row i, lane k: row k, lane i.
     fn transpose(rows: [Self; 8]) -> [Self; 8];
     /// The numbers, lane by lane.
     fn to_array(self) -> [f32; 8];
-    /// Bit k: the sign of lane k is set.
-    fn signs(self) -> u32;
     /// Asks for the cache lines of an item that is used soon.
     fn prefetch<T>(item: &T);
 }
@@ -73,17 +71,3 @@ impl Registers {
         }
     }
 }
-
-/// The values of an expression for 0 to 7, without a function in between, for the reason that `per_axis!` has.
-macro_rules! eight_times {
-    ($i:ident => $value:expr) => {
-        $crate::lanes::eight_times!($i => $value; 0 1 2 3 4 5 6 7)
-    };
-    ($i:ident => $value:expr; $($n:literal)*) => {
-        [$({
-            let $i = $n;
-            $value
-        }),*]
-    };
-}
-pub(crate) use eight_times;

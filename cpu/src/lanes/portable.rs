@@ -159,7 +159,7 @@ impl Eight for Portable {
         Self::from_integers(PortableBits(u32x8::new(steps.map(u32::from))))
     }
     #[inline(always)]
-    fn pick(self, lanes: &[u8; 8], flip: u32) -> Self {
+    fn permute_lanes(self, lanes: &[u8; 8], flip: u32) -> Self {
         let from = self.to_array();
         let mut to = [0.0; 8];
         for (to, lane) in to.iter_mut().zip(lanes) {
@@ -176,9 +176,5 @@ impl Eight for Portable {
     #[inline(always)]
     fn to_array(self) -> [f32; 8] {
         self.0.to_array()
-    }
-    #[inline(always)]
-    fn signs(self) -> u32 {
-        self.0.to_bitmask()
     }
 }

@@ -2,8 +2,9 @@
 
 use std::sync::OnceLock;
 
-use leafwalk::wire::{self, PREAMBLE_WORDS, Section, TABLE_ROW};
+use leafwalk::wire::{self, PREAMBLE_WORDS, TABLE_ROW};
 use leafwalk::{Builder, Octree};
+use leafwalk_core::layout::Section;
 use leafwalk_gpu::{Flavour, Gpu, GpuError, GpuTracer};
 use leafwalk_testing::meshes;
 

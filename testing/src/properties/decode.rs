@@ -2,8 +2,9 @@
 
 use std::sync::LazyLock;
 
+use leafwalk_core::layout::Section;
 use leafwalk_core::layout::{MAGIC, VERSION};
-use leafwalk_core::wire::{self, Section};
+use leafwalk_core::wire;
 use leafwalk_core::{Octree, Ray};
 use leafwalk_cpu::{Builder, Mesh, verify};
 

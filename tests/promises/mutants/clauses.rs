@@ -2,8 +2,8 @@
 
 use leafwalk::{Builder, CpuTracer, Mesh, Octree, Ray};
 use leafwalk_core::step::{Pluecker, Slab};
-use leafwalk_core::{Policy, Standard};
-use leafwalk_cpu::Spoiled;
+use leafwalk_core::testing::{Policy, Standard};
+use leafwalk_cpu::testing::{self, Spoiled, spoil};
 use leafwalk_testing::random::Random;
 use leafwalk_testing::rays::{Shared, Target, extent, point_on};
 use leafwalk_testing::tally::{Tally, scaled};
@@ -67,7 +67,7 @@ fn order_by_the_reported_t() {
 fn collinear_triangles_dropped() {
     let mesh = meshes::needle_box(30);
     let check = |spoiled| {
-        let octree = Builder::new().spoil(spoiled).build(&mesh).expect("a mesh that builds");
+        let octree = spoil(Builder::new(), spoiled).build(&mesh).expect("a mesh that builds");
         let inside = inside(&mesh, octree.parts().frame.scale(), 256, 63);
         let tracers: [Named<'_>; 2] = [("the octree", &octree), ("batches", &CpuTracer::new(octree.view()))];
         misses(aimed, &tracers, &mesh, &inside, Target::Edge, RAYS, 63)
@@ -131,7 +131,7 @@ impl Policy for Clamped {
 #[test]
 fn the_roots_test_undilated_and_t_min_clamped() {
     let mesh = touching_box(64);
-    let octree = Builder::new().spoil(Spoiled::MeshMargin).build(&mesh).expect("a mesh that builds");
+    let octree = spoil(Builder::new(), Spoiled::MeshMargin).build(&mesh).expect("a mesh that builds");
     let frame = octree.parts().frame;
     assert_eq!((frame.origin, frame.scale()), ([0.0; 3], 1.0), "the mesh must touch the root's faces");
     under::<Standard>(&octree, &from_outside(&mesh), 64).passes("dilated, not clamped, P2", 0.5);
@@ -143,7 +143,7 @@ fn the_roots_test_undilated_and_t_min_clamped() {
 fn boxes_too_small() {
     let mesh = meshes::soup(1000, 65);
     let check = |spoiled: Spoiled| {
-        let octree = Builder::new().spoil(spoiled).build(&mesh).expect("a mesh that builds");
+        let octree = spoil(Builder::new(), spoiled).build(&mesh).expect("a mesh that builds");
         let batches = CpuTracer::new(octree.view());
         let singles = OneByOne(&batches);
         let every = Every::<f32>::of(&octree);
@@ -165,9 +165,10 @@ fn beams_too_narrow() {
         let source = |random: &mut Random| rays::coherent(shares, &mesh, centre, size, random);
         let check =
             |tracer: &CpuTracer<&[u32]>| differences(&[("batches", tracer)], &every, &source, scaled(RAYS), seed);
-        for tracer in [CpuTracer::new(octree.view()), CpuTracer::new(octree.view()).portable()] {
+        for tracer in [CpuTracer::new(octree.view()), testing::portable(CpuTracer::new(octree.view()))] {
             check(&tracer).passes(&format!("whole beams, runs that share {shares:?}"), 0.1);
-            check(&tracer.with_beam_margin(-1e-3)).catches(&format!("beams too narrow, runs that share {shares:?}"));
+            check(&testing::with_beam_margin(tracer, -1e-3))
+                .catches(&format!("beams too narrow, runs that share {shares:?}"));
         }
     }
 }
@@ -181,8 +182,8 @@ fn triangles_forgotten_by_some_rays() {
     let (centre, size) = extent(&mesh);
     let source = |random: &mut Random| rays::coherent(Shared::Eights, &mesh, centre, size, random);
     let check = |tracer: &CpuTracer<&[u32]>| differences(&[("batches", tracer)], &every, &source, scaled(RAYS), 67);
-    for tracer in [CpuTracer::new(octree.view()), CpuTracer::new(octree.view()).portable()] {
+    for tracer in [CpuTracer::new(octree.view()), testing::portable(CpuTracer::new(octree.view()))] {
         check(&tracer).passes("tests of all rays", 0.05);
-        check(&tracer.forgetting_rays()).catches("tests of some rays taken for all");
+        check(&testing::forgetting_rays(tracer)).catches("tests of some rays taken for all");
     }
 }

@@ -2,7 +2,7 @@
 //! lattice units, split to one level wherever a triangle lies.
 
 use leafwalk::{Builder, Mesh, Octree};
-use leafwalk_cpu::Spoiled;
+use leafwalk_cpu::testing::{Spoiled, spoil};
 
 /// `x`, some ULPs further up or down.
 pub(crate) fn steps(x: f32, steps: usize, is_upward: bool) -> f32 {
@@ -15,7 +15,7 @@ pub(crate) fn on_lattice(triangles: &[[[f32; 3]; 3]], level: u32, spoiled: Spoil
     let frame = [at(1.0 / 1024.0, 1.0 / 1024.0), at(1.0 - 1.0 / 1024.0, -1.0 / 1024.0)];
     let positions: Vec<_> = triangles.iter().chain(&frame).flatten().copied().collect();
     let indices = (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let builder = Builder::new().step_cost(0.5).max_level(level).spoil(spoiled);
+    let builder = spoil(Builder::new().step_cost(0.5).max_level(level), spoiled);
     let octree = builder.build(&Mesh::new(positions, indices)).expect("a mesh that builds");
     let frame = octree.parts().frame;
     assert_eq!((frame.origin, frame.scale()), ([0.0; 3], 1.0), "cells must have their planes where triangles are");

@@ -1,8 +1,9 @@
 //! Mutants of the links: every face of every leaf redirected, the file sealed anew.
 
-use leafwalk::wire::{Section, seal};
+use leafwalk::wire::seal;
 use leafwalk::{Builder, DecodeError, Octree};
 use leafwalk_core::layout::RECORD_WORDS;
+use leafwalk_core::layout::Section;
 use leafwalk_testing::meshes;
 
 /// Words of a record before its neighbours.

@@ -2,8 +2,8 @@
 //! of four cells around an edge, and a speck lies in the right one, is a hit lost.
 
 use leafwalk::Ray;
-use leafwalk_core::Standard;
-use leafwalk_cpu::Spoiled;
+use leafwalk_core::testing::Standard;
+use leafwalk_cpu::testing::Spoiled;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::rays::towards;
 

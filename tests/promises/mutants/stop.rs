@@ -7,8 +7,8 @@
 //! middle of faces, where no step goes wrong: there the margin alone decides.
 
 use leafwalk::Ray;
-use leafwalk_core::{Policy, Standard};
-use leafwalk_cpu::Spoiled;
+use leafwalk_core::testing::{Policy, Standard};
+use leafwalk_cpu::testing::Spoiled;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::rays::towards;
 

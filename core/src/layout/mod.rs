@@ -1,0 +1,40 @@
+//! What the words of a file mean: every shared constant and bit field of the format, once.
+//!
+//! Each kind of item has its file: the octree's [`Record`]s with their [`Key`]s and [`Payload`]s, the [`BvhNode`]s, and
+//! the [`Block`]s of triangles that both structures lead to. `docs/format.md` shows how they stand in a file.
+
+mod block;
+mod bvh;
+mod key;
+mod lattice_box;
+mod payload;
+mod record;
+mod section;
+
+pub use block::{BLOCK_WIDTH, BLOCK_WORDS, Block, INDEXED_BLOCK_WORDS, IndexedBlock, Triangle, VERTEX_WORDS};
+pub use bvh::{BVH_NODE_WORDS, BVH_WIDTH, BvhNode, Child, MAX_DEPTH};
+pub use key::{KEY_WORDS, Key};
+pub use lattice_box::LatticeBox;
+pub use payload::{PAYLOAD_BLOCKS, PAYLOAD_WORDS, Payload};
+pub use record::{
+    CHAINED, INNER, LEVEL_MASK, LEVEL_SHIFT, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, LINK_SHIFT, RECORD_WORDS,
+    Record, RecordHead, T_COUNT_MASK,
+};
+pub use section::Section;
+
+/// The first word of a file: the bytes `lwok`.
+pub const MAGIC: u32 = u32::from_le_bytes(*b"lwok");
+/// The format's version, frozen: a change of what the words mean takes the next one, and readers read all up to theirs.
+pub const VERSION: u32 = 1;
+
+/// Deepest level of a leaf: cells 2^-16 of the root's edge.
+pub const MAX_LEVEL: u32 = 16;
+/// Lattice steps along the root's edge.
+pub const LATTICE: u32 = 1 << MAX_LEVEL;
+/// Edge of the smallest cell, in root edges.
+pub const LATTICE_STEP: f32 = 1.0 / LATTICE as f32;
+
+/// Stands where there is no record, payload or primitive.
+pub const NONE: u32 = u32::MAX;
+/// Sections start at multiples of this many words: one cache line.
+pub const SECTION_ALIGN: usize = 16;

@@ -1,0 +1,129 @@
+//! `Parts`: the sections of an octree as slices.
+
+use crate::aabb::Aabb;
+use crate::blocks::{Blocks, Indexed};
+use crate::error::DecodeError;
+use crate::frame::Frame;
+use crate::layout::{BvhNode, Key, LATTICE_STEP, LatticeBox, Payload, Record, Section, Triangle};
+use crate::wire::{Header, Spans};
+
+/// The sections of an octree as slices.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts<'a> {
+    /// Counts and settings.
+    pub header: Header,
+    /// The frame that the header holds.
+    pub frame: Frame,
+    /// All nodes; the root is number 0, and numbers 1 to 7 are vacant.
+    pub records: &'a [Record],
+    keys: &'a [[u32; 2]],
+    /// What non-empty leaves list.
+    pub payloads: &'a [Payload],
+    /// The triangles.
+    pub blocks: Blocks<'a>,
+    /// The BVH over the blocks, its root first; empty where no triangle is listed.
+    pub bvh: &'a [BvhNode],
+    /// Record numbers of the entry grid, x fastest.
+    pub grid: &'a [u32],
+    /// One material id a triangle, or empty.
+    pub materials: &'a [u32],
+}
+
+impl<'a> Parts<'a> {
+    pub(crate) const EMPTY: Parts<'static> = Parts {
+        header: Header {
+            primitives: 0,
+            dropped: 0,
+            collapsed: 0,
+            references: 0,
+            grid_bits: 0,
+            scale_exponent: 0,
+            padding: 0.0,
+            rounding: 0.0,
+            step_cost: 0.0,
+            max_level: 0,
+            origin: [0; 6],
+        },
+        frame: Frame { origin: [0.0; 3], scale_exponent: 0 },
+        records: &[],
+        keys: &[],
+        payloads: &[],
+        blocks: Blocks::EMPTY,
+        bvh: &[],
+        grid: &[],
+        materials: &[],
+    };
+
+    pub(crate) fn new(words: &'a [u32], spans: &Spans) -> Result<Self, DecodeError> {
+        let header: &[Header] = slice(words, spans, Section::Header)?;
+        let &[header] = header else { return Err(wrong_length(spans, Section::Header)) };
+        let (indexed, vertices) = (Section::IndexedBlocks, Section::Vertices);
+        let indexed = Indexed { blocks: slice(words, spans, indexed)?, vertices: slice(words, spans, vertices)? };
+        let blocks = Blocks::new(slice(words, spans, Section::Blocks)?, indexed)?;
+        Ok(Self {
+            header,
+            frame: header.frame(),
+            records: slice(words, spans, Section::Records)?,
+            keys: slice(words, spans, Section::Keys)?,
+            payloads: slice(words, spans, Section::Payloads)?,
+            blocks,
+            bvh: slice(words, spans, Section::Bvh)?,
+            grid: slice(words, spans, Section::Grid)?,
+            materials: slice(words, spans, Section::Materials)?,
+        })
+    }
+
+    /// The key of a record.
+    pub fn key(&self, record: u32) -> Key {
+        Key::from_words(self.keys[record as usize])
+    }
+
+    pub(crate) fn key_count(&self) -> usize {
+        self.keys.len()
+    }
+
+    /// Leaves, as (record number, record), in depth-first order.
+    pub fn leaves(&self) -> impl Iterator<Item = (u32, &'a Record)> + use<'a> {
+        let numbered = (0..).zip(self.records);
+        numbered.filter(|(number, record)| (*number == 0 || *number > 7) && !record.head().is_inner())
+    }
+
+    /// The payloads of a leaf, first to last.
+    pub fn payloads_of(&self, leaf: &Record) -> impl Iterator<Item = &'a Payload> + use<'a> {
+        let payloads = self.payloads;
+        let first = (leaf.head().t_count() != 0).then(|| &payloads[leaf.offset as usize]);
+        core::iter::successors(first, move |payload| payloads.get(payload.next as usize))
+    }
+
+    /// The triangles of a leaf.
+    pub fn triangles_of(&self, leaf: &Record) -> impl Iterator<Item = Triangle> + use<'a> {
+        let blocks = self.blocks;
+        self.payloads_of(leaf).flat_map(move |payload| blocks.of(payload)).flat_map(|block| block.triangles())
+    }
+
+    /// See [`crate::Octree::bounds`].
+    pub(crate) fn bounds(&self) -> Aabb {
+        let Some(LatticeBox { lower, upper }) = self.bvh.first().map(BvhNode::hull) else {
+            return Aabb { lower: [f64::INFINITY; 3], upper: [f64::NEG_INFINITY; 3] };
+        };
+        let at =
+            |steps: [u16; 3], end: f32| self.frame.to_caller(steps.map(|step| (f32::from(step) + end) * LATTICE_STEP));
+        Aabb { lower: at(lower, 0.0), upper: at(upper, 1.0) }
+    }
+}
+
+/// The words of a section as items; an error where they are no whole number of them.
+#[inline]
+pub(crate) fn slice<'a, T: bytemuck::Pod>(
+    words: &'a [u32],
+    spans: &Spans,
+    section: Section,
+) -> Result<&'a [T], DecodeError> {
+    let (offset, length) = spans[section as usize];
+    let words = &words[offset as usize..][..length as usize];
+    bytemuck::try_cast_slice(words).map_err(|_| wrong_length(spans, section))
+}
+
+fn wrong_length(spans: &Spans, section: Section) -> DecodeError {
+    DecodeError::SectionLength { section, words: spans[section as usize].1 }
+}

@@ -1,0 +1,46 @@
+//! Rays against boxes in lattice steps, dilated by the box margin: a test that may err only by keeping too much.
+
+use crate::contract::BOX_MARGIN;
+use crate::lanes::Lanes;
+use crate::layout::LATTICE;
+use crate::unroll;
+
+/// The box margin in lattice steps.
+const MARGIN: f32 = BOX_MARGIN * LATTICE as f32;
+
+/// A ray's distances to planes: t' of a side in step n is `n * inverse + lower`, or `+ upper`, per axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Slabs<L> {
+    /// t' of a lattice step.
+    pub inverse: [L; 3],
+    /// t' of the lower side of a box whose lower side is in step 0.
+    pub lower: [L; 3],
+    /// t' of the upper side of a box whose upper side is in step 0.
+    pub upper: [L; 3],
+}
+
+impl<L: Lanes> Slabs<L> {
+    /// Of origins and inverse directions in lattice steps; see [`crate::step::Line::inverse`].
+    #[inline(always)]
+    pub fn new(origin: [L; 3], inverse: [L; 3]) -> Self {
+        let (zero, margin, step) = (L::splat(0.0), L::splat(MARGIN), L::splat(1.0 + MARGIN));
+        Self {
+            inverse,
+            // From the step that a side lies in to the plane that counts: its lower end, or its upper one.
+            lower: unroll!(k in 0..3 => (zero - (origin[k] + margin)) * inverse[k]),
+            upper: unroll!(k in 0..3 => (step - origin[k]) * inverse[k]),
+        }
+    }
+
+    /// The part between `first` and `last` of the ray that lies in boxes, one a lane: it is met where the part's start is
+    /// at most its end.
+    #[inline(always)]
+    pub fn clip(&self, lower: [L; 3], upper: [L; 3], first: L, last: L) -> (L, L) {
+        let a: [L; 3] = unroll!(k in 0..3 => lower[k].about_mul_add(self.inverse[k], self.lower[k]));
+        let b: [L; 3] = unroll!(k in 0..3 => upper[k].about_mul_add(self.inverse[k], self.upper[k]));
+        let [x, y, z] = unroll!(k in 0..3 => a[k].min(b[k]));
+        let first = first.max(x).max(y.max(z));
+        let [x, y, z] = unroll!(k in 0..3 => a[k].max(b[k]));
+        (first, last.min(x).min(y.min(z)))
+    }
+}

@@ -1,0 +1,60 @@
+//! `Stats`: what an octree holds, in numbers.
+
+use crate::layout::MAX_LEVEL;
+use crate::parts::Parts;
+
+/// Entries of [`Stats::leaves_by_blocks`]: 0 to 8 blocks, and more.
+pub const LEAF_SIZES: usize = 10;
+
+/// What an octree holds, in numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Stats {
+    /// Triangles of the mesh, those dropped included.
+    pub primitives: u32,
+    /// Triangles left out because two vertices are equal after rounding.
+    pub dropped: u32,
+    /// Of those, how many lost their extent by rounding: detail too small for the scene's extent.
+    pub collapsed: u32,
+    /// Triangles listed, counted once a leaf.
+    pub references: u32,
+    /// Blocks of eight triangles.
+    pub blocks: u32,
+    /// Leaves, empty ones included.
+    pub leaves: u32,
+    /// Leaves that list nothing.
+    pub empty_leaves: u32,
+    /// Inner nodes.
+    pub inner: u32,
+    /// Leaves of each level, root first.
+    pub leaves_at_level: [u32; MAX_LEVEL as usize + 1],
+    /// Leaves of 0, 1, .. 8 blocks, and of more.
+    pub leaves_by_blocks: [u32; LEAF_SIZES],
+}
+
+impl Stats {
+    /// Counts, by a scan of the records.
+    pub(crate) fn of(parts: &Parts<'_>) -> Self {
+        let mut stats = Self {
+            primitives: parts.header.primitives,
+            dropped: parts.header.dropped,
+            collapsed: parts.header.collapsed,
+            references: parts.header.references,
+            blocks: parts.blocks.len() as u32,
+            leaves: 0,
+            empty_leaves: 0,
+            inner: 0,
+            leaves_at_level: [0; MAX_LEVEL as usize + 1],
+            leaves_by_blocks: [0; LEAF_SIZES],
+        };
+        stats.inner = parts.records.iter().filter(|record| record.head().is_inner()).count() as u32;
+        for (_, leaf) in parts.leaves() {
+            let blocks: usize = parts.payloads_of(leaf).map(|payload| payload.count as usize).sum();
+            stats.leaves += 1;
+            stats.empty_leaves += u32::from(blocks == 0);
+            stats.leaves_at_level[leaf.head().level() as usize] += 1;
+            stats.leaves_by_blocks[blocks.min(LEAF_SIZES - 1)] += 1;
+        }
+        stats
+    }
+}

@@ -1,0 +1,76 @@
+//! The nodes form one tree over the blocks: no descent loops, outgrows its stack, or looks for what is not there.
+
+use super::wrong_length;
+use crate::error::DecodeError;
+use crate::layout::{BVH_NODE_WORDS, BVH_WIDTH, Child, LatticeBox, MAX_DEPTH, Section};
+use crate::parts::Parts;
+
+/// A depth-first traversal must meet the nodes in such an order that each takes the next numbers for those that it
+/// leads to, by slot: so each but the first has exactly one parent.
+///
+/// As many blocks are led to as there are. That these are all of them, and their boxes large enough, takes memory to
+/// prove, and is left to the verification.
+pub(super) fn check(parts: &Parts<'_>) -> Result<(), DecodeError> {
+    let mut census = Census { parts, taken: 1, led_to: 0 };
+    let wrong = Err(wrong_length(Section::Bvh, parts.bvh.len(), BVH_NODE_WORDS));
+    if parts.bvh.is_empty() {
+        return if parts.blocks.is_empty() { Ok(()) } else { wrong };
+    }
+    census.enter(0)?;
+    // At each depth the node, and the slot to look at next.
+    let mut path = [(0u32, 0usize); MAX_DEPTH];
+    let mut depth = 0;
+    loop {
+        let (number, slot) = path[depth];
+        if slot == BVH_WIDTH {
+            if depth == 0 {
+                break;
+            }
+            depth -= 1;
+            continue;
+        }
+        path[depth].1 += 1;
+        if let (_, Child::Node(child)) = parts.bvh[number as usize].child(slot) {
+            depth += 1;
+            *path.get_mut(depth).ok_or(DecodeError::BadBvhNode { node: number })? = (child, 0);
+            census.enter(child)?;
+        }
+    }
+    let is_complete = census.taken as usize == parts.bvh.len() && census.led_to == parts.blocks.len();
+    if is_complete { Ok(()) } else { wrong }
+}
+
+/// What nodes have led to so far.
+struct Census<'a> {
+    parts: &'a Parts<'a>,
+    taken: u32,
+    led_to: usize,
+}
+
+impl Census<'_> {
+    /// Checks all children of a node that exists.
+    fn enter(&mut self, number: u32) -> Result<(), DecodeError> {
+        let node = &self.parts.bvh[number as usize];
+        let is_right = (0..BVH_WIDTH).all(|slot| self.child(node.child(slot)));
+        if is_right && node.children.iter().any(|word| Child::from_word(*word) != Child::Vacant) {
+            Ok(())
+        } else {
+            Err(DecodeError::BadBvhNode { node: number })
+        }
+    }
+
+    fn child(&mut self, (boxed, child): (LatticeBox, Child)) -> bool {
+        match child {
+            Child::Vacant => boxed == LatticeBox::VACANT,
+            Child::Block(block) => {
+                self.led_to += 1;
+                (block as usize) < self.parts.blocks.len() && boxed.is_whole()
+            }
+            Child::Node(child) => {
+                let is_next = child == self.taken;
+                self.taken = self.taken.saturating_add(1);
+                is_next && self.parts.bvh.get(child as usize).is_some_and(|child| child.hull() == boxed)
+            }
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! The eight boxes of a BVH node, and the eight triangles of a block, against rays.
+
+use leafwalk_core::lanes::Mask as _;
+use leafwalk_core::layout::{Block, BvhNode};
+use leafwalk_core::slabs::Slabs;
+use leafwalk_core::triangle::{Shear, Sheared};
+use leafwalk_core::{Nearest, unroll};
+
+use crate::lanes::Eight;
+
+/// Boxes as rays of one octant meet them, one a lane.
+///
+/// Which sides of a box a ray enters by is known from its octant, so no minimum and maximum is taken for each (A. Williams
+/// and others, "An Efficient and Robust Ray-Box Intersection Algorithm", Journal of Graphics Tools 10(1), 2005,
+/// <https://doi.org/10.1080/2151237X.2005.10129188>).
+pub(crate) struct NearFarBoxes<L> {
+    /// The sides that rays meet first, in lattice steps, axis by axis.
+    near: [L; 3],
+    /// The sides opposite to them.
+    far: [L; 3],
+}
+
+impl<L: Eight> NearFarBoxes<L> {
+    /// The eight boxes of a node.
+    #[inline(always)]
+    pub(crate) fn new(node: &BvhNode, order: L::Order, neg: u32) -> Self {
+        let (near, far) = (node.near_sides(neg), node.near_sides(!neg));
+        Self {
+            near: unroll!(k in 0..3 => L::from_steps(near[k], order)),
+            far: unroll!(k in 0..3 => L::from_steps(far[k], order)),
+        }
+    }
+
+    /// Lanes whose box a ray meets between `first` and `last`, as [`Slabs::clip`] has it. The ray's slabs are t' of a
+    /// lattice step, and what near and far sides add to it.
+    #[inline(always)]
+    pub(crate) fn hit_by(&self, [inverse, near, far]: &[[L; 3]; 3], first: L, last: L) -> L::Mask {
+        let a: [L; 3] = unroll!(k in 0..3 => self.near[k].about_mul_add(inverse[k], near[k]));
+        let b: [L; 3] = unroll!(k in 0..3 => self.far[k].about_mul_add(inverse[k], far[k]));
+        first.max(a[0]).max(a[1].max(a[2])).at_most(last.min(b[0]).min(b[1].min(b[2])))
+    }
+
+    /// The box of one child in every lane.
+    #[inline(always)]
+    pub(crate) fn splat(node: &BvhNode, slot: usize, neg: u32) -> Self {
+        let (near, far) = (node.near_sides(neg), node.near_sides(!neg));
+        Self {
+            near: unroll!(k in 0..3 => L::splat(f32::from(near[k][slot]))),
+            far: unroll!(k in 0..3 => L::splat(f32::from(far[k][slot]))),
+        }
+    }
+}
+
+/// Which of a node's eight boxes a ray meets, a bit a lane, and t' where it enters them.
+#[inline(always)]
+pub(crate) fn boxes_hit<L: Eight>(slabs: &Slabs<L>, order: L::Order, node: &BvhNode, nearest: &Nearest) -> (L, u32) {
+    let sides: [[L; 3]; 2] = [
+        unroll!(k in 0..3 => L::from_steps(&node.sides[k][0], order)),
+        unroll!(k in 0..3 => L::from_steps(&node.sides[k][1], order)),
+    ];
+    let (first, last) = slabs.clip(sides[0], sides[1], L::splat(nearest.t_min), L::splat(nearest.t));
+    (first, first.at_most(last).to_bits())
+}
+
+/// Tests the eight triangles of a block against a ray, and keeps the nearest hit.
+#[inline(always)]
+pub(crate) fn test_block<L: Eight>(block: &Block, shear: &Shear<L>, axes: [usize; 3], nearest: &mut Nearest) {
+    let corners = unroll!(corner in 0..3 => unroll!(k in 0..3 => L::load(&block.vertices[corner][axes[k]])));
+    let sheared = Sheared::new(shear, corners);
+    let candidates = sheared.is_candidate();
+    if !candidates.any() {
+        return;
+    }
+    let (accepted, found) = sheared.finish(shear);
+    let is_between = L::splat(nearest.t_min).less(found.t) & found.t.at_most(L::splat(nearest.t));
+    let mut accepted = (accepted & candidates & is_between).to_bits();
+    let (t, u, v) = (found.t.to_array(), found.u.to_array(), found.v.to_array());
+    while accepted != 0 {
+        let lane = accepted.trailing_zeros() as usize;
+        accepted &= accepted - 1;
+        nearest.offer(true, t[lane], u[lane], v[lane], block.primitives[lane]);
+    }
+}

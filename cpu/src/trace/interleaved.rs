@@ -1,0 +1,129 @@
+//! Rays that share too little to go down together: twelve at a time, each on its own way, one node or block a turn.
+//!
+//! ```text
+//! for each ray that comes in:
+//!     a slot is free:  the ray starts there at the root
+//!     no slot is free: the rays in the slots take turns, round robin, until one ends
+//! a turn: visit a node or a block, as a single ray does; pop the next child; prefetch it
+//! ```
+//! The turns of one ray wait for memory and for each other, those of different rays do not: the machine works on several
+//! at once.
+
+use leafwalk_core::layout::Block;
+use leafwalk_core::triangle::Shear;
+
+use super::bvh::node::{boxes_hit, test_block};
+use super::bvh::stack::{END, Stack};
+use super::bvh::{BlockSource, Bvh, ROOT};
+use super::packet::Packet;
+use super::probe::Probe;
+use super::query::Query;
+use crate::lanes::Eight;
+
+/// Rays under way at a time. 8 and 16 were not faster, 4 were slower (dragon).
+const SLOTS: usize = 12;
+
+/// Rays under way, and the blocks that they look at where these must be put together.
+pub(crate) struct Interleaved<L: Eight> {
+    slots: Vec<Slot<L>>,
+    /// Whose turn it is.
+    turn: usize,
+    /// The ray whose turn it is has ended and was answered.
+    is_free: bool,
+    room: Option<Block>,
+}
+
+/// A ray on its way.
+struct Slot<L: Eight> {
+    probe: Probe<L>,
+    /// The place of the ray in the batch.
+    index: usize,
+    /// The child to visit next.
+    child: u32,
+    stack: Stack,
+}
+
+impl<L: Eight> Interleaved<L> {
+    #[inline(always)]
+    pub(crate) const fn new() -> Self {
+        Self { slots: Vec::new(), turn: 0, is_free: false, room: None }
+    }
+
+    /// Takes in the rays of a packet, while others are traced to make room; without a packet, traces all to the end. The
+    /// answers of rays that miss were written before.
+    #[inline(always)]
+    pub(crate) fn admit<B: BlockSource, Q: Query>(
+        &mut self,
+        bvh: &Bvh<'_, B>,
+        mut packet: Option<&mut Packet>,
+        answers: &mut [Q::Answer],
+    ) {
+        let is_end = packet.is_none();
+        loop {
+            let next = match &mut packet {
+                Some(packet) => packet.take(),
+                None => None,
+            };
+            match next {
+                Some((index, probe)) if self.is_free => {
+                    let slot = &mut self.slots[self.turn];
+                    (slot.index, slot.probe, slot.child) = (index, probe, ROOT);
+                    slot.stack.clear();
+                    self.is_free = false;
+                }
+                Some((index, probe)) => {
+                    self.slots.push(Slot { probe, index, child: ROOT, stack: Stack::new() });
+                    if self.slots.len() < SLOTS {
+                        continue;
+                    }
+                }
+                None if !is_end => return,
+                None if self.is_free => {
+                    drop(self.slots.swap_remove(self.turn));
+                    self.is_free = false;
+                }
+                None => {}
+            }
+            if self.slots.is_empty() {
+                return;
+            }
+            self.trace::<B, Q>(bvh, answers);
+        }
+    }
+
+    /// Lets the rays take turns until one ends, and answers it.
+    #[inline(always)]
+    fn trace<B: BlockSource, Q: Query>(&mut self, bvh: &Bvh<'_, B>, answers: &mut [Q::Answer]) {
+        loop {
+            self.turn = if self.turn < self.slots.len() { self.turn } else { 0 };
+            let slot = &mut self.slots[self.turn];
+            slot.visit::<B, Q>(bvh, &mut self.room);
+            if slot.child == END {
+                answers[slot.index] = Q::answer(&slot.probe.clock, &slot.probe.nearest);
+                self.is_free = true;
+                return;
+            }
+            self.turn += 1;
+        }
+    }
+}
+
+impl<L: Eight> Slot<L> {
+    /// Visits a node or a block, and asks for the next.
+    #[inline(always)]
+    fn visit<B: BlockSource, Q: Query>(&mut self, bvh: &Bvh<'_, B>, room: &mut Option<Block>) {
+        let Probe { slabs, order, shear, axes, neg, nearest, .. } = &mut self.probe;
+        if let Some(node) = bvh.node(self.child) {
+            let (first, met) = boxes_hit(slabs, *order, node, nearest);
+            self.stack.push(node, *neg, first, met);
+        } else if let Some(block) = bvh.block(self.child, room) {
+            test_block(block, &Shear::<L>::splat(shear), *axes, nearest);
+            if Q::ANY && nearest.is_hit() {
+                self.child = END;
+                return;
+            }
+        }
+        self.child = self.stack.pop(nearest.t);
+        bvh.prefetch::<L>(self.child);
+    }
+}

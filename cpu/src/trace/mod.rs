@@ -1,0 +1,106 @@
+//! The eight-lane machine: how a batch of rays is traced, each in the way that suits it.
+//!
+//! ```text
+//! for each eight rays of the batch: make them a packet, once
+//!     the packet is uniform and goes with those before it: it joins the run
+//!     else the run ends, as it does with eight packets and with the batch:
+//!         a run of four packets or more: a tile, if its rays have enough in common; it answers them
+//!         packets that no tile answered go alone:
+//!             a small batch:                   ray by ray                  (single)
+//!             rays that meet the same nodes:   those of an octant together (stream)
+//!             rays that share too little:      twelve at a time            (interleaved)
+//! ```
+//! Every way meets all boxes of a ray's hits and orders hits alike, so all give the same bits (docs/contract.md,
+//! "Descent"); which way a ray goes is a matter of speed alone.
+
+mod alone;
+pub(crate) mod bvh;
+mod interleaved;
+mod packet;
+mod patience;
+mod probe;
+pub(crate) mod query;
+mod run;
+pub(crate) mod single;
+mod stream;
+mod tile;
+
+use leafwalk_core::Ray;
+
+use crate::lanes::{Eight, Kernel};
+use alone::Alone;
+pub(crate) use alone::{Scratch, Way};
+use bvh::stack::TileStack;
+use bvh::{BlockSource, Bvh};
+use packet::Packet;
+use patience::Patience;
+use query::Query;
+use run::Run;
+use tile::Tile;
+pub(crate) use tile::Tiling;
+
+/// Packets that are worth a tile, which is filled up with repetitions of the last one.
+const LEAST_RUN: usize = 4;
+
+/// A batch of rays to answer.
+pub(crate) struct Batch<'a, B, Q: Query> {
+    pub(crate) bvh: &'a Bvh<'a, B>,
+    pub(crate) tiling: Tiling,
+    pub(crate) way: Way,
+    pub(crate) scratch: &'a mut Scratch,
+    pub(crate) rays: &'a [Ray],
+    pub(crate) answers: &'a mut [Q::Answer],
+}
+
+impl<B: BlockSource, Q: Query> Kernel for Batch<'_, B, Q> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Eight>(self) {
+        let Self { bvh, tiling, way, scratch, rays, answers } = self;
+        answers.fill(Q::MISS);
+        if bvh.nodes.is_empty() {
+            return;
+        }
+        let mut waiting = TileStack::new();
+        let mut alone = Alone::<L>::new(way, rays.len(), bvh.hull(), scratch);
+        let mut patience = Patience::new();
+        let mut run = Run::new();
+        let mut eights = (0..).step_by(8).zip(rays.chunks(8));
+        loop {
+            let next = eights.next();
+            let is_end = next.is_none();
+            if let Some((first, eight)) = next {
+                *run.slot() = Packet::new::<L>(&bvh.frame, eight, first);
+                if run.goes_on() {
+                    continue;
+                }
+            }
+            let mut at = 0;
+            if run.len() >= LEAST_RUN && patience.tries() {
+                let (first, len) = (run.first(), run.len());
+                if let Some(mut tile) = Tile::<L>::new(run.fill_up(), tiling) {
+                    let is_answered = tile.trace::<B, Q>(bvh, &mut waiting);
+                    patience.learns(is_answered);
+                    if is_answered {
+                        tile.answer::<Q>(&mut answers[first..rays.len().min(first + 8 * len)]);
+                        at = len;
+                    }
+                }
+            }
+            loop {
+                let packet = run.alone(at);
+                let is_last = packet.is_none();
+                if is_last && !is_end {
+                    break;
+                }
+                alone.admit::<B, Q>(bvh, packet, &mut waiting.stack, answers);
+                if is_last {
+                    return;
+                }
+                at += 1;
+            }
+            run.restart();
+        }
+    }
+}

@@ -1,0 +1,312 @@
+//! `Packet`: eight rays in canonical form, lane by lane, with all that box and triangle tests want to know of them.
+//!
+//! Every ray of a batch becomes part of a packet, once. Whatever traces it takes the packet as it is, or ray by ray.
+
+use leafwalk_core::canonical::CommonRays;
+use leafwalk_core::contract::SMALLEST;
+use leafwalk_core::lanes::{Bits, Lanes, Mask as _};
+use leafwalk_core::layout::{LATTICE, LatticeBox};
+use leafwalk_core::slabs::Slabs;
+use leafwalk_core::step::inverse;
+use leafwalk_core::triangle::{PERMUTATIONS, Shear, main_axis};
+use leafwalk_core::{Clock, Frame, Nearest, Ray, unroll};
+
+use super::probe::Probe;
+use crate::lanes::Eight;
+
+/// Eight numbers in memory, one a ray.
+pub(crate) type Row = [f32; 8];
+
+/// Eight rays. Where a batch ends with fewer, the last of them is repeated.
+#[derive(Clone)]
+pub(crate) struct Packet {
+    /// The place of the first ray in the batch.
+    pub(crate) first: u32,
+    /// t' of a lattice step, per axis.
+    pub(crate) inverse: [Row; 3],
+    /// See [`Slabs::lower`].
+    lower: [Row; 3],
+    /// See [`Slabs::upper`].
+    upper: [Row; 3],
+    /// See [`Shear::origin`].
+    pub(crate) origin: [Row; 3],
+    /// See [`Shear::slope`].
+    pub(crate) slope: [Row; 3],
+    /// The direction along the main axis: lattice units per unit of t'.
+    pub(crate) speed: Row,
+    /// The limits of t'.
+    pub(crate) t_min: Row,
+    pub(crate) t_max: Row,
+    pub(crate) clocks: Clocks,
+    /// The octant of each direction: bit k is set where component k is negative.
+    pub(crate) neg: [u32; 8],
+    /// The axis along which each direction is largest.
+    pub(crate) main_axis: [u32; 8],
+    /// The lanes that hold a ray that can be traced, repetitions included.
+    valid: u32,
+    /// Of these, the lanes whose rays still wait to be traced; repetitions never do.
+    waiting: u32,
+}
+
+/// Canonical rays, lane by lane.
+struct CanonicalRays<L> {
+    origin: [L; 3],
+    direction: [L; 3],
+    t_min: L,
+    t_max: L,
+    clocks: Clocks,
+    valid: u32,
+}
+
+/// The clocks of a packet's rays.
+#[derive(Clone, Copy)]
+pub(crate) struct Clocks {
+    entry: [f64; 8],
+    unit: [f64; 8],
+}
+
+impl Clocks {
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> Clock {
+        Clock { entry: self.entry[lane], unit: self.unit[lane] }
+    }
+
+    /// The caller's t for each lane's t'.
+    #[inline(always)]
+    pub(crate) fn reported<L: Eight>(&self, t: L) -> L {
+        let mut row = t.to_array();
+        for (lane, t) in row.iter_mut().enumerate() {
+            *t = self.get(lane).reported(*t);
+        }
+        L::load(&row)
+    }
+}
+
+impl Packet {
+    /// A packet without rays.
+    pub(crate) const EMPTY: Self = {
+        let rows = [[0.0; 8]; 3];
+        Self {
+            first: 0,
+            inverse: rows,
+            lower: rows,
+            upper: rows,
+            origin: rows,
+            slope: rows,
+            speed: [0.0; 8],
+            t_min: [0.0; 8],
+            t_max: [0.0; 8],
+            clocks: Clocks { entry: [0.0; 8], unit: [1.0; 8] },
+            neg: [0; 8],
+            main_axis: [0; 8],
+            valid: 0,
+            waiting: 0,
+        }
+    };
+
+    /// The packet of one to eight rays, the first of which has this place in the batch.
+    #[inline(always)]
+    pub(crate) fn new<L: Eight>(frame: &Frame, rays: &[Ray], first: u32) -> Self {
+        let mut repeated;
+        let eight = match rays.first_chunk() {
+            Some(eight) => eight,
+            None => {
+                repeated = [rays[rays.len() - 1]; 8];
+                repeated[..rays.len()].copy_from_slice(rays);
+                &repeated
+            }
+        };
+        let ray = canonical::<L>(frame, eight);
+        let steps = L::splat(LATTICE as f32);
+        let slabs = Slabs::new(
+            unroll!(k in 0..3 => ray.origin[k] * steps),
+            inverse(unroll!(k in 0..3 => ray.direction[k] * steps)),
+        );
+        let [is_x, is_y, _] = main_axis(ray.direction);
+        let direction = permute(ray.direction, is_x, is_y);
+        let shear = Shear::of_permuted(permute(ray.origin, is_x, is_y), direction);
+        let one = L::Bits::splat(1);
+        let [x, y, z]: [L::Bits; 3] = unroll!(k in 0..3 => L::indicator(ray.direction[k].less(L::splat(0.0))));
+        let neg = x | (y | z << one) << one;
+        let (is_x, is_y) = (L::indicator(is_x), L::indicator(is_y));
+        let main_axis = L::Bits::splat(2).minus(is_x << one).minus(is_y);
+        Self {
+            first,
+            inverse: rows(slabs.inverse),
+            lower: rows(slabs.lower),
+            upper: rows(slabs.upper),
+            origin: rows(shear.origin),
+            slope: rows(shear.slope),
+            speed: direction[2].to_array(),
+            t_min: ray.t_min.to_array(),
+            t_max: ray.t_max.to_array(),
+            clocks: ray.clocks,
+            neg: integers::<L>(neg),
+            main_axis: integers::<L>(main_axis),
+            valid: ray.valid,
+            waiting: ray.valid & ((1 << rays.len().min(8)) - 1),
+        }
+    }
+
+    /// Whether all lanes hold rays of one octant and one main axis.
+    #[inline(always)]
+    pub(crate) fn is_uniform(&self) -> bool {
+        self.valid == 0xff && self.neg == [self.neg[0]; 8] && self.main_axis == [self.main_axis[0]; 8]
+    }
+
+    /// Whether two uniform packets have the same octant and the same main axis.
+    #[inline(always)]
+    pub(crate) fn goes_with(&self, other: &Self) -> bool {
+        (self.neg[0], self.main_axis[0]) == (other.neg[0], other.main_axis[0])
+    }
+
+    /// Rays that still wait: bit i is set for lane i.
+    #[inline(always)]
+    pub(crate) fn waiting(&self) -> u32 {
+        self.waiting
+    }
+
+    /// Lets no ray wait that passes a box by: it misses.
+    #[inline(always)]
+    pub(crate) fn drop_beyond<L: Eight>(&mut self, LatticeBox { lower, upper }: &LatticeBox) {
+        let slabs = Slabs::<L> {
+            inverse: unroll!(k in 0..3 => L::load(&self.inverse[k])),
+            lower: unroll!(k in 0..3 => L::load(&self.lower[k])),
+            upper: unroll!(k in 0..3 => L::load(&self.upper[k])),
+        };
+        let lower: [L; 3] = unroll!(k in 0..3 => L::splat(f32::from(lower[k])));
+        let upper: [L; 3] = unroll!(k in 0..3 => L::splat(f32::from(upper[k])));
+        let (first, last) = slabs.clip(lower, upper, L::load(&self.t_min), L::load(&self.t_max));
+        self.waiting &= first.at_most(last).to_bits();
+    }
+
+    /// What the near and the far sides of boxes add to t', per axis; each lane by its own octant.
+    #[inline(always)]
+    pub(crate) fn near_far<L: Eight>(&self) -> [[L; 3]; 2] {
+        let zero = L::splat(0.0);
+        let (lower, upper): ([L; 3], [L; 3]) =
+            (unroll!(k in 0..3 => L::load(&self.lower[k])), unroll!(k in 0..3 => L::load(&self.upper[k])));
+        let negative: [L::Mask; 3] = unroll!(k in 0..3 => L::load(&self.inverse[k]).less(zero));
+        [
+            unroll!(k in 0..3 => upper[k].or_else(negative[k], lower[k])),
+            unroll!(k in 0..3 => lower[k].or_else(negative[k], upper[k])),
+        ]
+    }
+
+    /// t' of a lattice step, and what the near and the far sides of boxes add to it, where all rays are of one octant.
+    #[inline(always)]
+    pub(crate) fn slabs(&self, neg: u32) -> [[Row; 3]; 3] {
+        let sides = [&self.lower, &self.upper];
+        [
+            self.inverse,
+            unroll!(k in 0..3 => sides[(neg >> k & 1) as usize][k]),
+            unroll!(k in 0..3 => sides[(!neg >> k & 1) as usize][k]),
+        ]
+    }
+
+    /// The nearest hits before any triangle was tested: none.
+    #[inline(always)]
+    pub(crate) fn nearest<L: Eight>(&self) -> Nearest<L> {
+        Nearest::between(L::load(&self.t_min), L::load(&self.t_max))
+    }
+
+    /// The next ray that waits, with its place in the batch.
+    #[inline(always)]
+    pub(crate) fn take<L: Eight>(&mut self) -> Option<(usize, Probe<L>)> {
+        if self.waiting == 0 {
+            return None;
+        }
+        let lane = self.waiting.trailing_zeros() as usize & 7;
+        self.waiting &= self.waiting - 1;
+        let probe = Probe {
+            slabs: Slabs {
+                inverse: unroll!(k in 0..3 => L::splat(self.inverse[k][lane])),
+                lower: unroll!(k in 0..3 => L::splat(self.lower[k][lane])),
+                upper: unroll!(k in 0..3 => L::splat(self.upper[k][lane])),
+            },
+            shear: Shear {
+                origin: unroll!(k in 0..3 => self.origin[k][lane]),
+                slope: unroll!(k in 0..3 => self.slope[k][lane]),
+            },
+            order: L::order(self.neg[lane]),
+            axes: PERMUTATIONS[self.main_axis[lane] as usize % 3],
+            neg: self.neg[lane],
+            nearest: Nearest::between(self.t_min[lane], self.t_max[lane]),
+            clock: self.clocks.get(lane),
+        };
+        Some((self.first as usize + lane, probe))
+    }
+}
+
+/// A vector's components in the order of each lane's permutation, which puts the main axis last.
+#[inline(always)]
+fn permute<L: Lanes>(p: [L; 3], is_x: L::Mask, is_y: L::Mask) -> [L; 3] {
+    unroll!(k in 0..3 => {
+        let [x, y, z] = unroll!(main in 0..3 => PERMUTATIONS[main][k]);
+        p[x].or_else(is_x, p[y].or_else(is_y, p[z]))
+    })
+}
+
+#[inline(always)]
+fn rows<L: Eight>(lanes: [L; 3]) -> [Row; 3] {
+    unroll!(k in 0..3 => lanes[k].to_array())
+}
+
+#[inline(always)]
+pub(crate) fn integers<L: Eight>(lanes: L::Bits) -> [u32; 8] {
+    bytemuck::cast(L::from_bits(lanes).to_array())
+}
+
+/// What [`Frame::canonical`] gives, in eight lanes where all rays are of the common kind, the others one by one.
+#[inline(always)]
+fn canonical<L: Eight>(frame: &Frame, rays: &[Ray; 8]) -> CanonicalRays<L> {
+    let [x, y, z, t_min, dx, dy, dz, t_max] =
+        L::transpose(unroll!(lane in 0..8 => L::load(bytemuck::cast_ref(&rays[lane]))));
+    let given = [x.to_array(), y.to_array(), z.to_array()];
+    let scale = 1.0 / frame.scale();
+    let origin: [L; 3] = unroll!(k in 0..3 => {
+        let mut row = [0.0; 8];
+        for lane in 0..8 {
+            row[lane] = ((f64::from(given[k][lane]) - frame.origin[k]) * scale) as f32;
+        }
+        L::load(&row).flush(SMALLEST)
+    });
+    let common = CommonRays::new(frame, [x, y, z], origin, [dx, dy, dz], t_min, t_max);
+    let mut unit = [0.0; 8];
+    for (lane, of_lane) in common.unit.to_array().into_iter().enumerate() {
+        unit[lane] = f64::from(of_lane);
+    }
+    let mut canonical = CanonicalRays {
+        origin,
+        direction: common.direction,
+        t_min: common.t_min,
+        t_max: common.t_max,
+        clocks: Clocks { entry: [0.0; 8], unit },
+        valid: common.is_common.to_bits(),
+    };
+    if canonical.valid != 0xff {
+        one_by_one(frame, rays, !canonical.valid, &mut canonical);
+    }
+    canonical
+}
+
+/// Makes the rays of some lanes canonical that are far, extreme or invalid.
+#[inline(never)]
+fn one_by_one<L: Eight>(frame: &Frame, rays: &[Ray; 8], lanes: u32, out: &mut CanonicalRays<L>) {
+    let (mut origin, mut direction) = (rows(out.origin), rows(out.direction));
+    let (mut t_min, mut t_max) = (out.t_min.to_array(), out.t_max.to_array());
+    for (lane, ray) in rays.iter().enumerate().filter(|(lane, _)| lanes >> lane & 1 == 1) {
+        let canonical = frame.canonical(ray);
+        out.valid |= u32::from(canonical.is_some()) << lane;
+        if let Some(ray) = canonical {
+            for k in 0..3 {
+                (origin[k][lane], direction[k][lane]) = (ray.origin[k], ray.direction[k]);
+            }
+            (t_min[lane], t_max[lane]) = (ray.t_min, ray.t_max);
+            (out.clocks.entry[lane], out.clocks.unit[lane]) = (ray.clock.entry, ray.clock.unit);
+        }
+    }
+    (out.t_min, out.t_max) = (L::load(&t_min), L::load(&t_max));
+    out.origin = unroll!(k in 0..3 => L::load(&origin[k]));
+    out.direction = unroll!(k in 0..3 => L::load(&direction[k]));
+}

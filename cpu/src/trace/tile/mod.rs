@@ -1,0 +1,320 @@
+//! `Tile`: 64 rays that go much the same way, traced together: they share each node and each triangle.
+//!
+//! ```text
+//! beam = four planes that hold all rays; each packet of eight has such planes as well
+//! descend the BVH with the beam, nearest child first:
+//!     a node:  its children that the beam may meet, before the farthest hit that any ray still waits for
+//!     a block: each triangle that the beam may meet -> each packet whose planes may meet it -> eight rays
+//! more than 24 triangles were tested: the rays share little, so from here on know which of them meet each box
+//!     a node:  its children that some ray meets; with each waits the mask of these rays
+//!     a block: by rays (eight triangles at once against each) or by triangles, whichever is cheaper
+//! more than 30 tests a ray: give up, and leave the rays to other ways
+//! ```
+//! What a tile skips, it skips by bounds that each of its rays keeps: so it gives what each ray alone gives. The planes are
+//! described in `beam`, with their source.
+
+mod beam;
+mod cull;
+mod hits;
+mod near;
+mod range;
+
+use leafwalk_core::lanes::{Bits as _, Mask as _};
+use leafwalk_core::layout::{BLOCK_WIDTH, Block, BvhNode, NONE};
+use leafwalk_core::triangle::{PERMUTATIONS, Shear, Sheared};
+use leafwalk_core::unroll;
+
+use super::bvh::node::test_block;
+use super::bvh::stack::{END, TileStack, in_order};
+use super::bvh::{BlockSource, Bvh, ROOT};
+use super::packet::Packet;
+use super::query::Query;
+use super::stream::column;
+use crate::lanes::Eight;
+use beam::{BEAM_MARGIN, Beam, BoxTest};
+use cull::RayCull;
+use hits::TileHits;
+use near::{EarliestEntry, along};
+
+/// Packets of a tile.
+pub(crate) const PACKETS: usize = 8;
+/// Rays of a tile.
+const RAYS: usize = 8 * PACKETS;
+/// Triangles of which a tile remembers that it has tested them: a power of two.
+const MAILBOXES: usize = 64;
+/// Triangles tested from which on it is worth while to know which rays meet a box.
+const BEAM_TESTS: usize = 24;
+/// Tests above which rays are traced faster one by one: about as many as that takes.
+const MOST_TESTS: usize = 30 * RAYS;
+/// Up to this many rays are tested one by one against eight boxes, more of them eight by eight against one.
+const FEW: u32 = 6;
+/// About as many instructions as it takes to test a ray against a block.
+const RAY_COST: u32 = 90;
+/// About as many instructions as it takes to test a triangle against a tile: once, and for each packet.
+const TRIANGLE_COST: u32 = 45;
+const PACKET_COST: u32 = 80;
+
+/// Stands for all packets, those included whose rays are done.
+const ALL: u32 = u32::MAX;
+
+/// How tiles are traced: tests may spoil it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tiling {
+    /// How far outside its planes a beam still looks.
+    pub(crate) beam_margin: f32,
+    /// Takes a triangle for tested when only some of a tile's rays were tested against it.
+    pub(crate) forgets_rays: bool,
+}
+
+impl Tiling {
+    pub(crate) const STANDARD: Self = Self { beam_margin: BEAM_MARGIN, forgets_rays: false };
+}
+
+/// A tile under way.
+pub(crate) struct Tile<'a, L: Eight> {
+    packets: &'a [Packet; PACKETS],
+    /// The octant of all rays.
+    neg: u32,
+    order: L::Order,
+    /// The axes in the order of the rays' shears, the main one last.
+    axes: [usize; 3],
+    boxes: BoxTest<L>,
+    /// The beams of the packets, a packet a lane.
+    of_packets: Beam<L>,
+    /// The beam of all rays, the same in every lane.
+    of_all: Beam<L>,
+    entry: EarliestEntry<L>,
+    /// Packets with rays that are not done, a bit each.
+    asking: u32,
+    hits: TileHits,
+    /// The farthest t' that counts for any ray.
+    last: f32,
+    mailboxes: [u32; MAILBOXES],
+    forgets_rays: bool,
+    /// Triangles that were tested against packets, and rays against blocks, so far.
+    tests: usize,
+}
+
+impl<'a, L: Eight> Tile<'a, L> {
+    /// A tile of uniform packets that go with each other; `None` where their rays have too little in common.
+    #[inline(always)]
+    pub(crate) fn new(packets: &'a [Packet; PACKETS], tiling: Tiling) -> Option<Self> {
+        let (neg, main_axis) = (packets[0].neg[0], packets[0].main_axis[0]);
+        let axes = PERMUTATIONS[main_axis as usize % 3];
+        let z = along::<L>(packets);
+        let (of_packets, of_all) = Beam::around(packets, z, tiling.beam_margin)?;
+        let hits = TileHits::new::<L>(packets);
+        Some(Self {
+            packets,
+            neg,
+            order: L::order(neg),
+            axes,
+            boxes: BoxTest::new(&of_all, axes, z),
+            of_packets,
+            of_all,
+            asking: 0xff,
+            entry: EarliestEntry::new(packets, axes[2], neg >> axes[2] & 1 == 1),
+            last: hits.last::<L>(),
+            hits,
+            mailboxes: [NONE; MAILBOXES],
+            forgets_rays: tiling.forgets_rays,
+            tests: 0,
+        })
+    }
+
+    /// Finds the nearest hit of each ray, or any hit where that is the query. `false`: the tile gave up, because its rays
+    /// have too little in common for triangles as small as these.
+    #[inline(always)]
+    pub(crate) fn trace<B: BlockSource, Q: Query>(&mut self, bvh: &Bvh<'_, B>, waiting: &mut TileStack) -> bool {
+        waiting.stack.clear();
+        let mut child = ROOT;
+        let mut room = None;
+        while self.tests < BEAM_TESTS {
+            if let Some(node) = bvh.node(child) {
+                let (first, met) = self.boxes_hit(node);
+                if met != 0 {
+                    child = waiting.stack.enter(node, self.neg, first, met);
+                    continue;
+                }
+            } else if let Some(block) = bvh.block(child, &mut room) {
+                self.test_triangles::<Q>(block, self.may_hit(block), ALL);
+            }
+            child = waiting.stack.pop(self.last);
+            if child == END {
+                return true;
+            }
+        }
+        waiting.set_all_rays(u64::MAX);
+        let cull = RayCull::<L>::new(self.packets, self.neg);
+        let mut rays = u64::MAX;
+        while self.tests < MOST_TESTS {
+            if let Some(node) = bvh.node(child) {
+                let first = self.entry.of(node, self.order);
+                let (met, each) = if rays.count_ones() > FEW {
+                    let (_, met) = self.boxes_hit(node);
+                    cull.by_rays(&self.hits, node, in_order::<L>(self.neg, met), rays)
+                } else {
+                    cull.by_boxes(&self.hits, node, rays)
+                };
+                if met != 0 {
+                    rays = each[met.trailing_zeros() as usize & 7];
+                    waiting.set_rays(met, &each);
+                    child = waiting.stack.enter_in_order(node, self.neg, first, met);
+                    continue;
+                }
+            } else if let Some(block) = bvh.block(child, &mut room) {
+                self.test_block::<Q>(block, rays);
+            }
+            child = waiting.stack.pop(self.last);
+            if child == END {
+                return true;
+            }
+            rays = waiting.rays();
+        }
+        false
+    }
+
+    /// The boxes of a node that rays may meet, a bit a lane, and the earliest t' at which they do.
+    #[inline(always)]
+    fn boxes_hit(&self, node: &BvhNode) -> (L, u32) {
+        let first = self.entry.of(node, self.order);
+        (first, (self.boxes.may_hit(node, self.order) & first.at_most(L::splat(self.last))).to_bits())
+    }
+
+    /// The triangles of a block that rays may hit, a bit a lane.
+    #[inline(always)]
+    fn may_hit(&self, block: &Block) -> u32 {
+        let corners: [[L; 3]; 3] =
+            unroll!(c in 0..3 => unroll!(k in 0..3 => L::load(&block.vertices[c][self.axes[k]])));
+        self.of_all.may_hit(&corners).to_bits()
+    }
+
+    /// Answers the rays of a tile that was traced; those beyond the answers are repetitions.
+    #[inline(always)]
+    pub(crate) fn answer<Q: Query>(&self, answers: &mut [Q::Answer]) {
+        for (packet, answers) in answers.chunks_mut(8).enumerate() {
+            let eight = Q::answers(&self.packets[packet].clocks, &self.hits.packet::<L>(packet));
+            match <&mut [_; 8]>::try_from(&mut *answers) {
+                Ok(answers) => *answers = eight,
+                Err(_) => answers.copy_from_slice(&eight[..answers.len()]),
+            }
+        }
+    }
+
+    /// Tests the triangles of a block against rays, in the cheaper of two ways.
+    #[inline(always)]
+    fn test_block<Q: Query>(&mut self, block: &Block, rays: u64) {
+        let triangles = self.may_hit(block);
+        let packets = packets(rays);
+        let by_triangles = triangles.count_ones() * (TRIANGLE_COST + PACKET_COST * packets.count_ones());
+        if rays.count_ones() * RAY_COST < by_triangles {
+            self.test_rays::<Q>(block, rays);
+        } else {
+            self.test_triangles::<Q>(block, triangles, packets);
+        }
+    }
+
+    /// Tests eight triangles against each of some rays.
+    #[inline(always)]
+    fn test_rays<Q: Query>(&mut self, block: &Block, mut rays: u64) {
+        let mut is_hit = false;
+        while rays != 0 {
+            let ray = rays.trailing_zeros() as usize;
+            rays &= rays - 1;
+            let (packet, lane) = (ray / 8 % PACKETS, ray % 8);
+            let ray = &self.packets[packet];
+            let shear = Shear {
+                origin: unroll!(k in 0..3 => L::splat(ray.origin[k][lane])),
+                slope: unroll!(k in 0..3 => L::splat(ray.slope[k][lane])),
+            };
+            let mut nearest = self.hits.ray(packet, lane);
+            let before = nearest.primitive;
+            self.tests += 1;
+            test_block(block, &shear, self.axes, &mut nearest);
+            if nearest.primitive != before {
+                if Q::ANY {
+                    nearest.finish();
+                }
+                is_hit = true;
+                self.hits.set_ray(packet, lane, &nearest);
+            }
+        }
+        if is_hit {
+            self.update::<Q>();
+        }
+    }
+
+    /// Tests some triangles against packets that they may be hit by.
+    #[inline(always)]
+    fn test_triangles<Q: Query>(&mut self, block: &Block, mut triangles: u32, packets: u32) {
+        let asking = packets & self.asking;
+        let mut is_hit = false;
+        while triangles != 0 {
+            let lane = triangles.trailing_zeros() as usize % BLOCK_WIDTH;
+            triangles &= triangles - 1;
+            let primitive = block.primitives[lane];
+            let mailbox = &mut self.mailboxes[primitive as usize % MAILBOXES];
+            // Vacant lanes look like triangles that were tested.
+            if *mailbox == primitive || primitive == NONE {
+                continue;
+            }
+            // Only what all rays were tested against need not be tested again.
+            if packets == ALL || self.forgets_rays {
+                *mailbox = primitive;
+            }
+            self.tests += 1;
+            let triangle: [[L; 3]; 3] =
+                unroll!(c in 0..3 => unroll!(k in 0..3 => L::splat(block.vertices[c][self.axes[k]][lane])));
+            let mut packets = self.of_packets.may_hit(&triangle).to_bits() & asking;
+            while packets != 0 {
+                let packet = packets.trailing_zeros() as usize % PACKETS;
+                packets &= packets - 1;
+                is_hit |= self.test_packet::<Q>(packet, triangle, primitive);
+            }
+        }
+        if is_hit {
+            self.update::<Q>();
+        }
+    }
+
+    /// Tests one triangle against eight rays.
+    #[inline(always)]
+    fn test_packet<Q: Query>(&mut self, packet: usize, triangle: [[L; 3]; 3], primitive: u32) -> bool {
+        let rays = &self.packets[packet];
+        let shear = Shear {
+            origin: unroll!(k in 0..3 => L::load(&rays.origin[k])),
+            slope: unroll!(k in 0..3 => L::load(&rays.slope[k])),
+        };
+        let sheared = Sheared::new(&shear, triangle);
+        let candidates = sheared.is_candidate();
+        if !candidates.any() {
+            return false;
+        }
+        let (accepted, found) = sheared.finish(&shear);
+        let accepted = accepted & candidates;
+        let mut nearest = self.hits.packet::<L>(packet);
+        nearest.offer(accepted, found.t, found.u, found.v, L::Bits::splat(primitive));
+        if Q::ANY {
+            nearest.finish();
+        }
+        self.hits.set_packet(packet, &nearest);
+        accepted.any()
+    }
+
+    /// Brings up to date what depends on the hits so far.
+    #[inline(always)]
+    fn update<Q: Query>(&mut self) {
+        self.last = self.hits.last::<L>();
+        if Q::ANY {
+            self.asking = self.hits.asking::<L>();
+        }
+    }
+}
+
+/// The packets that hold some of a tile's rays, a bit each.
+#[inline(always)]
+fn packets(rays: u64) -> u32 {
+    // Any bit of a byte becomes its highest.
+    const LOW: u64 = 0x7f7f_7f7f_7f7f_7f7f;
+    column(((rays & LOW) + LOW) | rays, 7)
+}
