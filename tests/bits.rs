@@ -34,15 +34,7 @@ impl Scene {
     fn new(mesh: Mesh, seed: u64) -> Self {
         let octree = Builder::new().build(&mesh).expect("a mesh that builds");
         let (centre, size) = rays::extent(&mesh);
-        let mut rays = Vec::new();
-        for index in 0..RAYS {
-            let mut random = Random::new(seed, index);
-            let ray = rays::hard(&mesh, centre, size, &mut random);
-            rays.push(match octree.closest_hit(&ray) {
-                Some(hit) if random.below(3) == 0 => rays::cut(&ray, hit.t, &mut random),
-                _ => ray,
-            });
-        }
+        let mut rays = rays::hard_and_cut(&octree, &mesh, RAYS, seed);
         for (shares, seed) in Shared::ALL.into_iter().zip(seed + 500..) {
             rays.extend((0..RAYS).map(|i| rays::coherent(shares, &mesh, centre, size, &mut Random::new(seed, i))));
         }

@@ -1,6 +1,6 @@
 //! Rays: random ones, and those aimed where methods fail.
 
-use leafwalk_core::{Aabb, Ray};
+use leafwalk_core::{Aabb, Octree, Ray};
 use leafwalk_cpu::Mesh;
 
 use super::meshes::sub;
@@ -163,6 +163,21 @@ pub fn coherent(shares: Shared, mesh: &Mesh, centre: [f32; 3], size: f32, random
     let scale = 2f32.powi(random.below(8) as i32 - 4);
     let t_min = [0.0, 0.0, -0.5][random.below(3)];
     Ray::between(origin, direction.map(|c| c * scale), t_min, t_max / scale)
+}
+
+/// The hard rays of a mesh under `seed`, one for each index below `count`; a third of those that hit are cut next to their
+/// hit.
+pub fn hard_and_cut<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &Mesh, count: u64, seed: u64) -> Vec<Ray> {
+    let (centre, size) = extent(mesh);
+    let ray = |index| {
+        let mut random = Random::new(seed, index);
+        let ray = hard(mesh, centre, size, &mut random);
+        match octree.closest_hit(&ray) {
+            Some(hit) if random.below(3) == 0 => cut(&ray, hit.t, &mut random),
+            _ => ray,
+        }
+    };
+    (0..count).map(ray).collect()
 }
 
 /// A ray cut just before or behind one of its own hits, to test the limits to the last bit.

@@ -21,7 +21,6 @@ fn items_have_the_sizes_of_the_format() {
     assert_eq!((size_of::<IndexedBlock>(), INDEXED_BLOCK_WORDS * words), (84, 84));
     assert_eq!((size_of_val(&Key::ROOT.to_words()), KEY_WORDS * words), (8, 8));
     assert_eq!((size_of::<Header>(), SECTION_ALIGN * words), (64, 64));
-    assert_eq!((size_of::<Ray>(), size_of::<Hit>()), (32, 16));
     assert_eq!([align_of::<Record>(), align_of::<Payload>(), align_of::<Block>(), align_of::<Header>()], [words; 4]);
 }
 
@@ -29,7 +28,7 @@ fn traced<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &Mesh) -> u64 {
     let (centre, size) = rays::extent(mesh);
     let rays: Vec<Ray> = (0..2000).map(|i| rays::hard(mesh, centre, size, &mut Random::new(6, i))).collect();
     let mut hits = vec![Hit::MISS; rays.len()];
-    octree.closest_hits(&rays, &mut hits).unwrap();
+    octree.closest_hits(&rays, &mut hits).expect("equal lengths");
     assert!(hits.iter().filter(|hit| !hit.is_miss()).count() > 200);
     hit_hash(&hits)
 }
@@ -37,7 +36,7 @@ fn traced<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &Mesh) -> u64 {
 #[test]
 fn borrowed_and_owned_words_and_bytes_answer_alike() {
     let mesh = meshes::soup(300, 23);
-    let octree = Builder::new().build(&mesh).unwrap();
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
     let expected = traced(&octree, &mesh);
     let words: Vec<u32> = octree.as_words().to_vec();
     let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
@@ -45,24 +44,27 @@ fn borrowed_and_owned_words_and_bytes_answer_alike() {
     bytemuck::cast_slice_mut(&mut aligned).copy_from_slice(&bytes);
 
     assert_eq!(traced(&octree.view(), &mesh), expected);
-    assert_eq!(traced(&Octree::from_words(words.clone()).unwrap(), &mesh), expected);
-    assert_eq!(traced(&Octree::from_words(words.as_slice()).unwrap(), &mesh), expected);
-    assert_eq!(traced(&Octree::from_bytes(bytemuck::cast_slice(&aligned)).unwrap(), &mesh), expected);
+    assert_eq!(traced(&Octree::from_words(words.clone()).expect("words that decode"), &mesh), expected);
+    assert_eq!(traced(&Octree::from_words(words.as_slice()).expect("words that decode"), &mesh), expected);
+    assert_eq!(
+        traced(&Octree::from_bytes(bytemuck::cast_slice(&aligned)).expect("words that decode"), &mesh),
+        expected
+    );
     assert_eq!(octree.into_words(), words);
 }
 
 #[test]
 fn a_saved_octree_loads_as_it_was() {
     let mesh = meshes::soup(300, 24);
-    let octree = Builder::new().build(&mesh).unwrap();
-    let folder = tempfile::tempdir().unwrap();
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
+    let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("soup.lwk");
-    leafwalk::save(&octree, &path).unwrap();
-    let loaded = leafwalk::load(&path).unwrap();
+    leafwalk::save(&octree, &path).expect("a folder of ours");
+    let loaded = leafwalk::load(&path).expect("a file that can be read");
     assert_eq!(loaded.as_words(), octree.as_words());
     assert_eq!(traced(&loaded, &mesh), traced(&octree, &mesh));
     let stored: Vec<u8> = octree.as_words().iter().flat_map(|word| word.to_le_bytes()).collect();
-    assert_eq!(std::fs::read(&path).unwrap(), stored);
+    assert_eq!(std::fs::read(&path).expect("a file that can be read"), stored);
 }
 
 #[test]
@@ -85,8 +87,8 @@ fn unknown_sections_are_skipped() {
         }
         words[2] = words.len() as u32;
         words[3] = wire::checksum(&words);
-        let longer = Octree::from_words(words).unwrap();
-        let original = valid.decode().unwrap();
+        let longer = Octree::from_words(words).expect("words that decode");
+        let original = valid.decode().expect("words that decode");
         assert_eq!(longer.stats(), original.stats());
         assert_eq!(longer.bounds(), original.bounds());
         for (x, y) in (0..400).map(|i| (i % 20, i / 20)) {
@@ -98,8 +100,8 @@ fn unknown_sections_are_skipped() {
 
 #[test]
 fn an_empty_mesh_is_an_octree_that_every_ray_misses() {
-    let built = Builder::new().build(&Mesh::default()).unwrap();
-    let octree = Octree::from_words(built.as_words()).unwrap();
+    let built = Builder::new().build(&Mesh::default()).expect("a mesh that builds");
+    let octree = Octree::from_words(built.as_words()).expect("words that decode");
     let stats = octree.stats();
     assert_eq!((stats.primitives, stats.references, stats.leaves, stats.empty_leaves), (0, 0, 1, 1));
     let bounds = octree.bounds();

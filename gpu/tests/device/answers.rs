@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use leafwalk::{Hit, Ray, Tracer, Work};
 use leafwalk_core::Walk;
 use leafwalk_gpu::{Flavour, Gpu, Promise};
+use leafwalk_testing::tally::scaled;
 use leafwalk_testing::{meshes, rays};
 
 use crate::Test;
@@ -31,8 +32,8 @@ struct Expected {
 
 impl Expected {
     fn new(scene: &Scene, seed: u64) -> Self {
-        let mut rays = scenes::hard(scene, scenes::scaled(RAYS), seed);
-        rays.extend(scenes::chords(scene, scenes::scaled(RAYS / 2), seed));
+        let mut rays = scenes::hard(scene, scaled(RAYS), seed);
+        rays.extend(scenes::chords(scene, scaled(RAYS / 2), seed));
         let parts = scene.octree.parts();
         let walked = rays.iter().map(|ray| Walk::new(&parts).closest_hit_with_work(ray));
         let (hits, work) = walked.map(|(hit, work)| (hit.unwrap_or(Hit::MISS), work)).unzip();

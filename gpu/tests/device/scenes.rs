@@ -4,6 +4,7 @@ use std::sync::LazyLock;
 
 use leafwalk::{Builder, Hit, Mesh, Octree, Ray, mesh_file};
 use leafwalk_testing::random::Random;
+use leafwalk_testing::tally::bits;
 use leafwalk_testing::{meshes, rays, scenes};
 
 /// A mesh and its octree.
@@ -54,27 +55,9 @@ fn made() -> Vec<Scene> {
     ]
 }
 
-/// `count` scaled by the variable LEAFWALK_RAYS, a factor that is 1 when unset.
-pub(crate) fn scaled(count: u64) -> u64 {
-    let factor = std::env::var("LEAFWALK_RAYS").map_or(1.0, |factor| {
-        factor.parse::<f64>().unwrap_or_else(|_| panic!("LEAFWALK_RAYS is '{factor}': give a factor such as 14"))
-    });
-    (count as f64 * factor) as u64
-}
-
 /// Hard rays of a scene, a third of those that hit cut next to a hit.
 pub(crate) fn hard(scene: &Scene, count: u64, seed: u64) -> Vec<Ray> {
-    let (centre, size) = rays::extent(&scene.mesh);
-    (0..count)
-        .map(|index| {
-            let mut random = Random::new(seed, index);
-            let ray = rays::hard(&scene.mesh, centre, size, &mut random);
-            match scene.octree.closest_hit(&ray) {
-                Some(hit) if random.below(3) == 0 => rays::cut(&ray, hit.t, &mut random),
-                _ => ray,
-            }
-        })
-        .collect()
+    rays::hard_and_cut(&scene.octree, &scene.mesh, count, seed)
 }
 
 /// Random rays through a scene.
@@ -92,6 +75,5 @@ pub(crate) fn chords(scene: &Scene, count: u64, seed: u64) -> Vec<Ray> {
 
 /// How many hits differ in some bit.
 pub(crate) fn differing(hits: &[Hit], expected: &[Hit]) -> usize {
-    let words = |hit: &Hit| [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive];
-    hits.iter().zip(expected).filter(|(hit, expected)| words(hit) != words(expected)).count()
+    hits.iter().zip(expected).filter(|(hit, expected)| bits(hit) != bits(expected)).count()
 }

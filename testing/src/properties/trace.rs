@@ -6,6 +6,7 @@ use leafwalk_core::{Hit, Octree, Ray};
 use leafwalk_cpu::{BruteForce, Builder, Mesh};
 
 use super::bytes::Bytes;
+use crate::tally::bits;
 
 /// Traces the rays that the bytes spell.
 pub fn check(bytes: &[u8]) {
@@ -24,7 +25,7 @@ pub fn check(bytes: &[u8]) {
 
 /// Panics where the octree does not answer as brute force does.
 pub fn check_ray(octree: &Octree<impl AsRef<[u32]>>, oracle: &BruteForce, ray: &Ray) {
-    let bits = |hit: Option<Hit>| bytemuck::cast::<Hit, [u32; 4]>(hit.unwrap_or(Hit::MISS));
+    let bits = |hit: Option<Hit>| bits(&hit.unwrap_or(Hit::MISS));
     let (found, expected) = (octree.closest_hit(ray), oracle.closest_hit(ray));
     assert_eq!(bits(found), bits(expected), "{found:?}, expected {expected:?} for {ray:?}");
     assert_eq!(octree.occluded(ray), expected.is_some(), "occluded, {ray:?}");

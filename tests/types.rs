@@ -1,0 +1,55 @@
+//! What the compiler can say of the public types: the sizes of those that cross every border as plain data, and that all
+//! of them may be sent to other threads and shared between them.
+
+use leafwalk::wire::Header;
+use leafwalk::{
+    Aabb, BruteForce, BuildError, Builder, CanonicalRay, CpuTracer, DecodeError, FileError, Frame, Hit, LengthMismatch,
+    Mesh, Octree, Parts, Progress, Ray, RecordFault, Stats, Verified, VerifyError, Work,
+};
+use leafwalk_core::layout::Section;
+
+/// Compiles only where all of the types are `Send` and `Sync`.
+macro_rules! assert_send_and_sync {
+    ($($kind:ty),+ $(,)?) => {
+        const {
+            const fn assert<T: Send + Sync>() {}
+            $(assert::<$kind>();)+
+        }
+    };
+}
+
+#[test]
+fn rays_and_hits_are_plain_data() {
+    assert_eq!((size_of::<Ray>(), align_of::<Ray>()), (32, 4));
+    assert_eq!((size_of::<Hit>(), align_of::<Hit>()), (16, 4));
+    // From the bytes of a ray and back: there is no padding between or behind its members.
+    let ray = Ray::between([1.0, 2.0, 3.0], [5.0, 6.0, 7.0], 4.0, 8.0);
+    assert_eq!(bytemuck::cast::<Ray, [f32; 8]>(ray), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+    let hit = Hit { t: 1.0, u: 2.0, v: 3.0, primitive: 4 };
+    assert_eq!(bytemuck::cast::<Hit, [u32; 4]>(hit), [1f32.to_bits(), 2f32.to_bits(), 3f32.to_bits(), 4]);
+}
+
+#[test]
+fn all_types_are_for_many_threads() {
+    assert_send_and_sync!(Aabb, CanonicalRay, Frame, Header, Hit, Parts<'static>, Ray, Section, Stats, Work);
+    assert_send_and_sync!(BruteForce, Builder, Mesh, Octree<Vec<u32>>, Octree<&[u32]>, Progress, Verified);
+    assert_send_and_sync!(CpuTracer<Vec<u32>>, CpuTracer<&[u32]>);
+    assert_send_and_sync!(BuildError, DecodeError, FileError, LengthMismatch, RecordFault, VerifyError);
+}
+
+#[test]
+#[cfg(feature = "mesh-files")]
+fn types_of_mesh_files_are_for_many_threads() {
+    use leafwalk::mesh_file::{Limits, Material, MeshError, MeshFile};
+    assert_send_and_sync!(Limits, Material, MeshError, MeshFile);
+}
+
+#[test]
+#[cfg(feature = "gpu")]
+fn types_of_gpus_are_for_many_threads() {
+    use leafwalk::gpu::{
+        Adapter, DeviceHits, DeviceOcclusions, DeviceRays, Flavour, Gpu, GpuError, GpuTracer, Pick, SelfTest,
+    };
+    assert_send_and_sync!(Adapter, DeviceHits, DeviceOcclusions, DeviceRays, Flavour, Gpu, GpuError, GpuTracer);
+    assert_send_and_sync!(Pick, SelfTest);
+}
