@@ -19,7 +19,8 @@ fn seeded(seed: u64, index: u64, longest: usize) -> Vec<u8> {
 fn saved(target: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds").join(target);
     let entries = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-    let saved: Vec<_> = entries.map(|entry| fs::read(entry.unwrap().path()).unwrap()).collect();
+    let saved: Vec<_> =
+        entries.map(|entry| fs::read(entry.expect("an entry").path()).expect("a file that can be read")).collect();
     assert!(!saved.is_empty(), "{} holds no input", folder.display());
     saved
 }

@@ -8,11 +8,11 @@ use leafwalk_testing::rays;
 use rayon::prelude::*;
 
 fn check(name: &str, mesh: &Mesh, level: u32) {
-    let octree = Builder::new().max_level(level).build(mesh).unwrap();
+    let octree = Builder::new().max_level(level).build(mesh).expect("a mesh that builds");
     let stats = octree.stats();
     assert!(stats.leaves_by_blocks[9] > 0, "{name}: chained leaves are to occur: {stats:?}");
-    verify_against(&octree, mesh).unwrap();
-    let oracle = BruteForce::new(mesh).unwrap();
+    verify_against(&octree, mesh).expect("an octree that verifies");
+    let oracle = BruteForce::new(mesh).expect("a mesh that builds");
     let (centre, size) = rays::extent(mesh);
     (0..3_000).into_par_iter().for_each(|index| {
         let ray = rays::hard(mesh, centre, size, &mut Random::new(91, index));

@@ -8,9 +8,9 @@ use leafwalk_testing::rays;
 
 /// Builds, verifies, and traces hard rays against brute force; returns the octree and how many rays hit.
 fn sound(mesh: &Mesh, count: u64) -> (Octree<Vec<u32>>, usize) {
-    let octree = Builder::new().step_cost(1.0).build(mesh).unwrap();
-    verify_against(&octree, mesh).unwrap();
-    let oracle = BruteForce::new(mesh).unwrap();
+    let octree = Builder::new().step_cost(1.0).build(mesh).expect("a mesh that builds");
+    verify_against(&octree, mesh).expect("an octree that verifies");
+    let oracle = BruteForce::new(mesh).expect("a mesh that builds");
     let (centre, size) = rays::extent(mesh);
     let mut hits = 0;
     for index in 0..count {
@@ -32,11 +32,11 @@ fn vertices_must_be_finite() {
     for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let vertex = meshes::soup(100, 42).triangles[50][1];
         let mesh = soup_with(|mesh| mesh.positions[vertex as usize][2] = value);
-        let error = Builder::new().build(&mesh).unwrap_err();
+        let error = Builder::new().build(&mesh).expect_err("a mesh that does not build");
         let BuildError::NonFiniteVertex { vertex: found, position } = error else { panic!("{error}") };
         assert_eq!((found, position[2].to_bits()), (vertex, value.to_bits()));
 
-        let octree = Builder::new().lenient().build(&mesh).unwrap();
+        let octree = Builder::new().lenient().build(&mesh).expect("a mesh that builds");
         let corners = (0..mesh.triangles.len()).map(|i| mesh.corners(i));
         let is_left_out = |[a, b, c]: &[[f32; 3]; 3]| {
             let finite = [a, b, c].into_iter().flatten().all(|c| c.is_finite());
@@ -46,13 +46,13 @@ fn vertices_must_be_finite() {
         assert!(left_out > 0);
         assert_eq!(octree.stats().dropped as usize, left_out);
         assert_eq!(octree.stats().collapsed, 0);
-        verify_against(&octree, &mesh).unwrap();
+        verify_against(&octree, &mesh).expect("an octree that verifies");
     }
     // A vertex that no triangle uses may be anything.
     let mesh = soup_with(|mesh| mesh.positions.push([f32::NAN; 3]));
     assert_eq!(
-        Builder::new().build(&mesh).unwrap().as_words(),
-        Builder::new().build(&soup_with(|_| ())).unwrap().as_words()
+        Builder::new().build(&mesh).expect("a mesh that builds").as_words(),
+        Builder::new().build(&soup_with(|_| ())).expect("a mesh that builds").as_words()
     );
 }
 
@@ -65,9 +65,9 @@ fn indices_must_be_in_range() {
             mesh.triangles[80][0] = u32::MAX;
         });
         let expected = BuildError::IndexOutOfRange { triangle: 70, index, vertices };
-        assert_eq!(Builder::new().build(&mesh).unwrap_err(), expected);
-        assert_eq!(Builder::new().lenient().build(&mesh).unwrap_err(), expected);
-        assert_eq!(BruteForce::new(&mesh).unwrap_err(), expected);
+        assert_eq!(Builder::new().build(&mesh).expect_err("a mesh that does not build"), expected);
+        assert_eq!(Builder::new().lenient().build(&mesh).expect_err("a mesh that does not build"), expected);
+        assert_eq!(BruteForce::new(&mesh).expect_err("a mesh that does not build"), expected);
     }
 }
 
@@ -77,11 +77,14 @@ fn material_ids_are_none_or_one_a_triangle() {
         let mesh = soup_with(|mesh| mesh.material_ids = vec![3; materials]);
         let triangles = mesh.triangles.len();
         if materials != triangles {
-            assert_eq!(Builder::new().build(&mesh).unwrap_err(), BuildError::MaterialCount { materials, triangles });
+            assert_eq!(
+                Builder::new().build(&mesh).expect_err("a mesh that does not build"),
+                BuildError::MaterialCount { materials, triangles }
+            );
         }
     }
     let mesh = soup_with(|mesh| mesh.material_ids = (0..mesh.triangles.len() as u32).rev().collect());
-    let octree = Builder::new().build(&mesh).unwrap();
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
     assert_eq!(octree.parts().materials, mesh.material_ids);
 }
 
@@ -95,11 +98,11 @@ fn nothing_to_list_is_an_octree_that_every_ray_misses() {
         Mesh::new(vec![point, [1.0; 3]], vec![[0, 0, 1], [1, 0, 1]]),
     ];
     for mesh in meshes {
-        let octree = Builder::new().build(&mesh).unwrap();
+        let octree = Builder::new().build(&mesh).expect("a mesh that builds");
         let stats = octree.stats();
         assert_eq!((stats.dropped as usize, stats.references), (mesh.triangles.len(), 0));
         assert_eq!(stats.collapsed, 0);
-        verify_against(&octree, &mesh).unwrap();
+        verify_against(&octree, &mesh).expect("an octree that verifies");
         for index in 0..200 {
             let mut random = Random::new(43, index);
             assert_eq!(octree.closest_hit(&Ray::new(random.vector(), random.direction())), None);
@@ -124,9 +127,9 @@ fn of_duplicates_the_smallest_primitive_is_hit() {
         mesh.triangles.extend_from_slice(&sphere.triangles);
     }
     assert!(mesh.triangles.len() > 20_000);
-    let octree = Builder::new().build(&mesh).unwrap();
-    verify_against(&octree, &mesh).unwrap();
-    let single = Builder::new().build(&sphere).unwrap();
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
+    verify_against(&octree, &mesh).expect("an octree that verifies");
+    let single = Builder::new().build(&sphere).expect("a mesh that builds");
     for index in 0..2000 {
         let mut random = Random::new(44, index);
         let ray = Ray::new([0.0; 3], random.direction());
@@ -142,13 +145,13 @@ fn identical_triangles_at_a_point_make_one_fat_leaf() {
     let mut mesh = Mesh::new(vec![[0.1; 3], [0.100_01, 0.1, 0.1], [0.1, 0.100_01, 0.1]], vec![[0, 1, 2]; 100_000]);
     mesh.positions.extend([[-0.5, -0.5, -0.5], [0.5, -0.5, -0.5], [-0.5, 0.5, 0.5]]);
     mesh.triangles.push([3, 4, 5]);
-    let octree = Builder::new().build(&mesh).unwrap();
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
     let stats = octree.stats();
     assert!(stats.leaves_by_blocks[9] >= 1, "no chained leaf: {stats:?}");
     // A cell that they fit into does not split any further, and few cells lie on the way there.
     assert!(stats.references < 8 * 100_000 && stats.leaves < 1000, "{stats:?}");
-    verify_against(&octree, &mesh).unwrap();
-    let hit = octree.closest_hit(&Ray::new([0.100_002, 0.100_002, 1.0], [0.0, 0.0, -1.0])).unwrap();
+    verify_against(&octree, &mesh).expect("an octree that verifies");
+    let hit = octree.closest_hit(&Ray::new([0.100_002, 0.100_002, 1.0], [0.0, 0.0, -1.0])).expect("a hit");
     assert_eq!(hit.primitive, 0);
 }
 
@@ -177,9 +180,9 @@ fn huge_and_tiny_extents_only_change_the_scale() {
     for scale in [1.5e38, 1e30, 1e-20, 1e-30, 1e-38] {
         let mesh = meshes::placed(&meshes::soup(200, 46), scale, 0.0);
         assert!(mesh.positions.as_flattened().iter().all(|c| c.is_finite()), "{scale}");
-        let octree = Builder::new().step_cost(1.0).build(&mesh).unwrap();
-        verify_against(&octree, &mesh).unwrap();
-        let oracle = BruteForce::new(&mesh).unwrap();
+        let octree = Builder::new().step_cost(1.0).build(&mesh).expect("a mesh that builds");
+        verify_against(&octree, &mesh).expect("an octree that verifies");
+        let oracle = BruteForce::new(&mesh).expect("a mesh that builds");
         let mut hits = 0;
         for index in 0..1500 {
             let mut random = Random::new(47, index);
@@ -193,8 +196,8 @@ fn huge_and_tiny_extents_only_change_the_scale() {
     // The largest there is.
     let corner = |x: f32, y: f32, z: f32| [x * f32::MAX, y * f32::MAX, z * f32::MAX];
     let mesh = Mesh::new(vec![corner(-1.0, -1.0, 0.0), corner(1.0, -1.0, 0.0), corner(0.0, 1.0, 0.0)], vec![[0, 1, 2]]);
-    let octree = Builder::new().build(&mesh).unwrap();
-    let hit = octree.closest_hit(&Ray::new([0.0, 0.0, -f32::MAX], [0.0, 0.0, 1.0])).unwrap();
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
+    let hit = octree.closest_hit(&Ray::new([0.0, 0.0, -f32::MAX], [0.0, 0.0, 1.0])).expect("a hit");
     assert_eq!((hit.t, hit.primitive), (f32::MAX, 0));
 }
 
@@ -222,12 +225,12 @@ fn detail_lost_to_one_far_vertex_is_counted() {
     let far = mesh.positions.len() as u32;
     mesh.positions.push([1e9, 0.0, 0.0]);
     mesh.triangles.push([0, 1, far]);
-    let octree = Builder::new().build(&mesh).unwrap();
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
     let stats = octree.stats();
     assert!(stats.collapsed > 1000 && stats.collapsed == stats.dropped, "{stats:?}");
     assert_eq!(stats.primitives as usize, mesh.triangles.len());
-    verify_against(&octree, &mesh).unwrap();
-    assert_eq!(Builder::new().build(&sphere).unwrap().stats().collapsed, 0);
+    verify_against(&octree, &mesh).expect("an octree that verifies");
+    assert_eq!(Builder::new().build(&sphere).expect("a mesh that builds").stats().collapsed, 0);
 }
 
 #[test]
@@ -238,8 +241,8 @@ fn huge_triangles_over_small_cells_stay_within_the_budget() {
     let first = mesh.positions.len() as u32;
     mesh.positions.extend_from_slice(&clump.positions);
     mesh.triangles.extend(clump.triangles.iter().map(|triangle| triangle.map(|i| i + first)));
-    let octree = Builder::new().step_cost(0.5).build(&mesh).unwrap();
-    verify_against(&octree, &mesh).unwrap();
+    let octree = Builder::new().step_cost(0.5).build(&mesh).expect("a mesh that builds");
+    verify_against(&octree, &mesh).expect("an octree that verifies");
     let stats = octree.stats();
     assert!(stats.references as usize <= 8 * mesh.triangles.len(), "{stats:?}");
 }

@@ -24,11 +24,12 @@ fn references_stay_within_the_budget() {
     for (name, mesh) in scenes() {
         let mut most = Vec::new();
         for budget in [0.0, 1.0, 1.5, 2.0, 4.0, 8.0] {
-            let octree = Builder::new().step_cost(0.5).reference_budget(budget).build(&mesh).unwrap();
+            let octree =
+                Builder::new().step_cost(0.5).reference_budget(budget).build(&mesh).expect("a mesh that builds");
             let references = octree.stats().references as usize;
             let limit = ((f64::from(budget.max(1.0)) * mesh.triangles.len() as f64) as usize).max(LEAST_BUDGET);
             assert!(references <= limit, "{name}, budget {budget}: {references} references, limit {limit}");
-            verify(&octree).unwrap();
+            verify(&octree).expect("an octree that verifies");
             most.push(references);
         }
         assert!(most.is_sorted(), "{name}: a larger budget is to give no fewer references: {most:?}");
@@ -40,12 +41,17 @@ fn no_leaf_is_deeper_than_allowed() {
     let mesh = meshes::soup(2000, 53);
     let mut deepest = Vec::new();
     for level in 0..=17 {
-        let octree = Builder::new().step_cost(0.5).reference_budget(64.0).max_level(level).build(&mesh).unwrap();
+        let octree = Builder::new()
+            .step_cost(0.5)
+            .reference_budget(64.0)
+            .max_level(level)
+            .build(&mesh)
+            .expect("a mesh that builds");
         let stats = octree.stats();
-        let found = stats.leaves_at_level.iter().rposition(|leaves| *leaves > 0).unwrap() as u32;
+        let found = stats.leaves_at_level.iter().rposition(|leaves| *leaves > 0).expect("a leaf") as u32;
         assert!(found <= level.min(16), "level {found}, at most {level}");
         assert_eq!(octree.parts().header.max_level, level.min(16));
-        verify(&octree).unwrap();
+        verify(&octree).expect("an octree that verifies");
         deepest.push(found);
     }
     assert_eq!(deepest[..6], [0, 1, 2, 3, 4, 5]);
@@ -56,7 +62,7 @@ fn memory_is_refused_before_it_is_taken() {
     for (name, mesh) in scenes() {
         for step_cost in [0.5, 48.0] {
             let builder = Builder::new().step_cost(step_cost);
-            let expected = builder.build(&mesh).unwrap().into_words();
+            let expected = builder.build(&mesh).expect("a mesh that builds").into_words();
             let mut built = false;
             for limit in (10..28).map(|bits| 1u64 << bits) {
                 match builder.clone().memory_limit(limit).build(&mesh) {
@@ -84,11 +90,11 @@ fn progress_never_decreases_and_reaches_the_end() {
         for builder in [Builder::new(), Builder::new().step_cost(0.5)] {
             let heard = Mutex::new(Vec::new());
             let listen = |progress: leafwalk::Progress| {
-                heard.lock().unwrap().push(progress.fraction);
+                heard.lock().expect("no panic in a listener").push(progress.fraction);
                 ControlFlow::Continue(())
             };
-            builder.build_with_progress(&mesh, listen).unwrap();
-            let heard = heard.into_inner().unwrap();
+            builder.build_with_progress(&mesh, listen).expect("a mesh that builds");
+            let heard = heard.into_inner().expect("no panic in a listener");
             assert!(heard.len() > 3, "{name}: {heard:?}");
             assert!(heard.is_sorted() && heard[0] >= 0.0 && heard.last() == Some(&1.0), "{name}: {heard:?}");
         }
@@ -103,14 +109,17 @@ fn a_build_stops_when_it_is_told_to() {
         reports.fetch_add(1, Ordering::Relaxed);
         ControlFlow::Continue(())
     };
-    Builder::new().build_with_progress(&mesh, count).unwrap();
+    Builder::new().build_with_progress(&mesh, count).expect("a mesh that builds");
     for stop_at in 0..reports.into_inner() {
         let heard = AtomicU32::new(0);
         let stop = |_| match heard.fetch_add(1, Ordering::Relaxed) {
             report if report == stop_at => ControlFlow::Break(()),
             _ => ControlFlow::Continue(()),
         };
-        assert_eq!(Builder::new().build_with_progress(&mesh, stop).unwrap_err(), BuildError::Cancelled);
+        assert_eq!(
+            Builder::new().build_with_progress(&mesh, stop).expect_err("a build that stops"),
+            BuildError::Cancelled
+        );
         assert_eq!(heard.into_inner(), stop_at + 1, "nothing is done after the stop");
     }
 }
@@ -118,7 +127,7 @@ fn a_build_stops_when_it_is_told_to() {
 #[test]
 fn settings_out_of_range_fall_back() {
     let mesh = meshes::soup(200, 55);
-    let built = |builder: Builder| builder.build(&mesh).unwrap().into_words();
+    let built = |builder: Builder| builder.build(&mesh).expect("a mesh that builds").into_words();
     assert!(built(Builder::new().step_cost(f32::NAN)) == built(Builder::new()));
     assert!(built(Builder::new().step_cost(-1.0)) == built(Builder::new().step_cost(0.5)));
     assert!(built(Builder::new().reference_budget(f32::INFINITY)) == built(Builder::new()));

@@ -41,7 +41,7 @@ fn meets(corners: &[[f32; 3]; 3], key: Key, reach: f64) -> bool {
 }
 
 fn check(name: &str, mesh: &Mesh, builder: &Builder) {
-    let octree = builder.build(mesh).unwrap();
+    let octree = builder.build(mesh).expect("a mesh that builds");
     let parts = octree.parts();
     let frame = parts.frame;
     let corners: Vec<[[f32; 3]; 3]> =

@@ -76,10 +76,10 @@ fn check(name: &str, octree: &Octree<Vec<u32>>) -> [u32; 4] {
 fn leaves_fill_the_root_and_differ_by_one_level_across_a_face() {
     for (name, mesh) in scenes() {
         for builder in [Builder::new(), Builder::new().step_cost(0.5), Builder::new().step_cost(0.5).max_level(4)] {
-            let kinds = check(name, &builder.build(&mesh).unwrap());
+            let kinds = check(name, &builder.build(&mesh).expect("a mesh that builds"));
             println!("{name}: links of each kind {kinds:?}");
         }
     }
-    let octree = Builder::new().step_cost(0.5).build(&meshes::soup(2000, 63)).unwrap();
+    let octree = Builder::new().step_cost(0.5).build(&meshes::soup(2000, 63)).expect("a mesh that builds");
     assert!(check("soup", &octree).iter().all(|count| *count > 100), "links of every kind are to occur");
 }

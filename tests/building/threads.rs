@@ -4,8 +4,8 @@ use leafwalk::{Builder, Mesh};
 use leafwalk_testing::meshes;
 
 fn words(builder: &Builder, mesh: &Mesh, threads: usize) -> Vec<u32> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    pool.install(|| builder.build(mesh)).unwrap().into_words()
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of threads");
+    pool.install(|| builder.build(mesh)).expect("a mesh that builds").into_words()
 }
 
 #[test]

@@ -9,14 +9,14 @@ use leafwalk_testing::meshes;
 
 fn scene() -> (Mesh, Octree<Vec<u32>>) {
     let mesh = meshes::soup(400, 81);
-    let octree = Builder::new().step_cost(2.0).build(&mesh).unwrap();
+    let octree = Builder::new().step_cost(2.0).build(&mesh).expect("a mesh that builds");
     (mesh, octree)
 }
 
 #[test]
 fn what_is_built_verifies() {
     let (mesh, octree) = scene();
-    let verified = verify(&octree).unwrap();
+    let verified = verify(&octree).expect("an octree that verifies");
     let stats = octree.stats();
     assert_eq!(verified.triangles, u64::from(stats.primitives - stats.dropped));
     assert_eq!(verified.references, u64::from(stats.references));
@@ -27,9 +27,9 @@ fn what_is_built_verifies() {
 fn triangles_binned_without_padding_are_found() {
     let mesh = super::listing::lattice_soup(300);
     let builder = Builder::new().step_cost(0.5).reference_budget(64.0);
-    verify(&builder.build(&mesh).unwrap()).unwrap();
-    let spoiled = spoil(builder, Spoiled::Padding).build(&mesh).unwrap();
-    let error = verify(&spoiled).unwrap_err();
+    verify(&builder.build(&mesh).expect("a mesh that builds")).expect("an octree that verifies");
+    let spoiled = spoil(builder, Spoiled::Padding).build(&mesh).expect("a mesh that builds");
+    let error = verify(&spoiled).expect_err("an octree that does not verify");
     // Boxes of what is listed reach less far as well.
     assert!(matches!(error, VerifyError::MissingReference { .. } | VerifyError::SmallBox { .. }), "{error}");
 }
@@ -60,8 +60,8 @@ fn a_missing_reference_is_found() {
         if primitive == NONE {
             continue;
         }
-        let octree = valid.decode_with(|file| remove(file, number, lane)).unwrap();
-        let error = verify(&octree).unwrap_err();
+        let octree = valid.decode_with(|file| remove(file, number, lane)).expect("words that decode");
+        let error = verify(&octree).expect_err("an octree that does not verify");
         if count(primitive) > 1 {
             assert_eq!(error, VerifyError::MissingReference { leaf: owner(number), primitive });
         } else {
@@ -83,11 +83,13 @@ fn a_box_that_is_too_small_is_found() {
             if payload.sides[k][0][0] == payload.sides[k][1][0] {
                 continue;
             }
-            let smaller = valid.decode_with(|file| file.payloads()[number].sides[k][1][0] -= 1).unwrap();
-            let error = verify(&smaller).unwrap_err();
+            let smaller =
+                valid.decode_with(|file| file.payloads()[number].sides[k][1][0] -= 1).expect("words that decode");
+            let error = verify(&smaller).expect_err("an octree that does not verify");
             assert!(matches!(error, VerifyError::SmallBox { .. }), "payload {number}: {error}");
-            let smaller = valid.decode_with(|file| file.payloads()[number].sides[k][0][0] += 1).unwrap();
-            let error = verify(&smaller).unwrap_err();
+            let smaller =
+                valid.decode_with(|file| file.payloads()[number].sides[k][0][0] += 1).expect("words that decode");
+            let error = verify(&smaller).expect_err("an octree that does not verify");
             assert!(matches!(error, VerifyError::SmallBox { .. }), "payload {number}: {error}");
             shrunk += 1;
         }
@@ -105,7 +107,9 @@ fn a_block_that_the_bvh_does_not_lead_to_is_found() {
             let (boxed, Child::Block(block)) = node.child(slot) else { continue };
             // Another block twice: as many are led to as there are.
             let other = (block + 1) % octree.stats().blocks;
-            let octree = valid.decode_with(|file| file.bvh()[number].put(slot, boxed, Child::Block(other))).unwrap();
+            let octree = valid
+                .decode_with(|file| file.bvh()[number].put(slot, boxed, Child::Block(other)))
+                .expect("words that decode");
             assert!(matches!(verify(&octree), Err(VerifyError::LostBlock { .. })), "block {block}");
             tried += 1;
         }
@@ -114,9 +118,9 @@ fn a_block_that_the_bvh_does_not_lead_to_is_found() {
     for slot in 0..8 {
         let (boxed, Child::Block(block)) = octree.parts().bvh[0].child(slot) else { continue };
         for k in (0..3).filter(|k| boxed.lower[*k] < boxed.upper[*k]) {
-            let smaller = valid.decode_with(|file| file.bvh()[0].sides[k][1][slot] -= 1).unwrap();
+            let smaller = valid.decode_with(|file| file.bvh()[0].sides[k][1][slot] -= 1).expect("words that decode");
             assert_eq!(verify(&smaller), Err(VerifyError::LostBlock { block }));
-            let smaller = valid.decode_with(|file| file.bvh()[0].sides[k][0][slot] += 1).unwrap();
+            let smaller = valid.decode_with(|file| file.bvh()[0].sides[k][0][slot] += 1).expect("words that decode");
             assert_eq!(verify(&smaller), Err(VerifyError::LostBlock { block }));
         }
     }
@@ -138,7 +142,7 @@ fn a_moved_corner_is_found() {
                 let c = &mut file.blocks()[number].vertices[1][number % 3][1];
                 *c = c.next_up();
             })
-            .unwrap();
+            .expect("words that decode");
         // Two leaves contradict each other, or else only the mesh can tell.
         tried += 1;
         inconsistent += usize::from(matches!(verify(&moved), Err(VerifyError::CornersDiffer { .. })));
@@ -150,8 +154,8 @@ fn a_moved_corner_is_found() {
 #[test]
 fn a_vertex_number_that_is_off_is_found() {
     let mesh = meshes::bumpy_sphere(3, 83);
-    let octree = Builder::new().compact().step_cost(2.0).build(&mesh).unwrap();
-    verify_against(&octree, &mesh).unwrap();
+    let octree = Builder::new().compact().step_cost(2.0).build(&mesh).expect("a mesh that builds");
+    verify_against(&octree, &mesh).expect("an octree that verifies");
     let valid = Edited::new(&octree);
     let (mut tried, mut alone) = (0, 0);
     for (number, i) in (0..octree.stats().blocks as usize).map(|number| (number, number * 5 % 24)) {
@@ -168,11 +172,11 @@ fn a_vertex_number_that_is_off_is_found() {
 #[test]
 fn swapped_vertices_are_found() {
     let mesh = meshes::bumpy_sphere(3, 84);
-    let octree = Builder::new().compact().step_cost(2.0).build(&mesh).unwrap();
+    let octree = Builder::new().compact().step_cost(2.0).build(&mesh).expect("a mesh that builds");
     let valid = Edited::new(&octree);
     let count = valid.clone().vertices().len();
     for vertex in (1..count).step_by(17) {
-        let swapped = valid.decode_with(|file| file.vertices().swap(vertex - 1, vertex)).unwrap();
+        let swapped = valid.decode_with(|file| file.vertices().swap(vertex - 1, vertex)).expect("words that decode");
         assert!(verify(&swapped).is_err(), "vertices {} and {vertex}", vertex - 1);
     }
 }
@@ -189,13 +193,13 @@ fn another_mesh_is_told_apart() {
     moved.positions.iter_mut().for_each(|p| p[0] += 64.0);
     assert_eq!(differs(&moved).0, "frame");
     // One corner, by a little; of a triangle that was not dropped.
-    let listed = octree.blocks().iter().nth(5).unwrap().primitives[0];
+    let listed = octree.blocks().iter().nth(5).expect("six blocks").primitives[0];
     let mut other = mesh.clone();
     let vertex = other.triangles[listed as usize][1];
     other.positions[vertex as usize][1] += 1e-3;
     let (what, primitive) = differs(&other);
     assert_eq!(what, "corners");
-    assert!(other.triangles[primitive.unwrap() as usize].contains(&vertex));
+    assert!(other.triangles[primitive.expect("a triangle") as usize].contains(&vertex));
     // Turned triangles have the same corners in another order.
     let mut turned = mesh.clone();
     turned.triangles[listed as usize].rotate_left(1);
@@ -212,11 +216,12 @@ fn another_mesh_is_told_apart() {
 fn materials_are_compared() {
     let mut mesh = meshes::soup(50, 82);
     mesh.material_ids = (0..mesh.triangles.len() as u32).collect();
-    let octree = Builder::new().build(&mesh).unwrap();
-    verify_against(&octree, &mesh).unwrap();
-    let repainted = Edited::new(&octree).decode_with(|file| file.section(Section::Materials)[9] = 0).unwrap();
-    verify(&repainted).unwrap();
-    let error = verify_against(&repainted, &mesh).unwrap_err();
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
+    verify_against(&octree, &mesh).expect("an octree that verifies");
+    let repainted =
+        Edited::new(&octree).decode_with(|file| file.section(Section::Materials)[9] = 0).expect("words that decode");
+    verify(&repainted).expect("an octree that verifies");
+    let error = verify_against(&repainted, &mesh).expect_err("an octree that does not verify");
     assert_eq!(error, VerifyError::OtherMesh { what: "list of materials", primitive: None });
 }
 
@@ -228,7 +233,7 @@ fn counts_of_a_hostile_header_cost_no_memory() {
             file.header().primitives = NONE - 1;
             (file.header().dropped, file.header().collapsed) = (0, 0);
         })
-        .unwrap();
+        .expect("words that decode");
     let listed = u64::from(octree.stats().primitives - octree.stats().dropped);
     let expected = VerifyError::TriangleCount { listed, expected: u64::from(NONE - 1) };
     assert_eq!(verify(&hostile), Err(expected));

@@ -99,10 +99,10 @@ fn a_node_leads_somewhere() {
     assert_eq!(error, DecodeError::SectionLength { section: Section::Bvh, words });
     // The same, led to.
     let slots = |node: &BvhNode| (0..BVH_WIDTH).find(|slot| node.child(*slot).1 == Child::Vacant);
-    let last_level = valid.bvh().iter().rposition(|node| slots(node).is_some()).unwrap();
+    let last_level = valid.bvh().iter().rposition(|node| slots(node).is_some()).expect("such a node");
     let error = refused(&valid, |file| {
         file.replace(Section::Bvh, &content);
-        let slot = slots(&file.bvh()[last_level]).unwrap();
+        let slot = slots(&file.bvh()[last_level]).expect("as found above");
         file.bvh()[last_level].put(slot, BvhNode::VACANT.hull(), Child::Node(count));
     });
     assert!(matches!(error, DecodeError::BadBvhNode { .. }), "{error}");
@@ -112,7 +112,7 @@ fn a_node_leads_somewhere() {
 fn no_bvh_without_blocks_nor_blocks_without_a_bvh() {
     let error = refused(&levels(), |file| file.replace(Section::Bvh, &[]));
     assert_eq!(error, DecodeError::SectionLength { section: Section::Bvh, words: 0 });
-    let empty = Edited::new(&Builder::new().build(&Mesh::default()).unwrap());
+    let empty = Edited::new(&Builder::new().build(&Mesh::default()).expect("a mesh that builds"));
     let error = refused(&empty, |file| file.replace(Section::Bvh, bytemuck::cast_slice(&[BvhNode::VACANT])));
     assert!(matches!(error, DecodeError::BadBvhNode { node: 0 }), "{error}");
 }
@@ -135,16 +135,16 @@ fn chain(valid: &Edited, depth: usize) -> Edited {
 #[test]
 fn no_node_is_too_deep() {
     let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]], vec![[0, 1, 2]]);
-    let mut valid = Edited::new(&Builder::new().build(&mesh).unwrap());
+    let mut valid = Edited::new(&Builder::new().build(&mesh).expect("a mesh that builds"));
     // Wherever the builder puts the only child, from here on it is the first.
     let single = valid.bvh()[0];
-    let slot = (0..BVH_WIDTH).find(|slot| single.child(*slot).1 != Child::Vacant).unwrap();
+    let slot = (0..BVH_WIDTH).find(|slot| single.child(*slot).1 != Child::Vacant).expect("a child");
     let (boxed, child) = single.child(slot);
     valid.bvh()[0] = BvhNode::VACANT;
     valid.bvh()[0].put(0, boxed, child);
     assert!(valid.decode().is_ok());
 
-    let octree = chain(&valid, MAX_DEPTH).decode_with(|_| ()).unwrap();
+    let octree = chain(&valid, MAX_DEPTH).decode_with(|_| ()).expect("words that decode");
     let ray = leafwalk::Ray::new([0.3, 0.3, -1.0], [0.0, 0.0, 1.0]);
     assert!(leafwalk::CpuTracer::new(octree.view()).closest_hit(&ray).is_some());
     let error = refused(&chain(&valid, MAX_DEPTH + 1), |_| ());

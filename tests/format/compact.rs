@@ -17,8 +17,9 @@ fn named(block: &IndexedBlock, lane: usize) -> [u32; 3] {
 #[test]
 fn the_words_hold_the_same_triangles_in_fewer_bytes() {
     let mesh = meshes::bumpy_sphere(4, 25);
-    let packed = Builder::new().build(&mesh).unwrap();
-    let compact = Octree::from_words(Builder::new().compact().build(&mesh).unwrap().into_words()).unwrap();
+    let packed = Builder::new().build(&mesh).expect("a mesh that builds");
+    let compact = Octree::from_words(Builder::new().compact().build(&mesh).expect("a mesh that builds").into_words())
+        .expect("words that decode");
     assert!(compact.is_compact() && !packed.is_compact());
     assert_eq!((compact.stats(), compact.bounds()), (packed.stats(), packed.bounds()));
     assert!(compact.blocks().iter().eq(packed.blocks().iter()), "a block differs");
@@ -33,7 +34,7 @@ fn triangles_that_share_no_vertices_are_welded() {
     let sphere = meshes::icosphere(3);
     let corners: Vec<_> = (0..sphere.triangles.len()).flat_map(|i| sphere.corners(i)).collect();
     let indices = (0..sphere.triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let build = |mesh| Builder::new().compact().build(mesh).unwrap().into_words();
+    let build = |mesh| Builder::new().compact().build(mesh).expect("a mesh that builds").into_words();
     assert!(build(&leafwalk::Mesh::new(corners, indices)) == build(&sphere), "equal corners are one vertex");
 }
 
@@ -149,7 +150,7 @@ fn blocks_are_held_in_one_way() {
     let error = refused(&packed, |file| file.replace(Section::Blocks, &[]));
     assert!(matches!(error, DecodeError::BadPayload { .. }), "{error}");
     // Of a mesh without triangles there are none, in either way.
-    let empty = Builder::new().compact().build(&leafwalk::Mesh::default()).unwrap();
+    let empty = Builder::new().compact().build(&leafwalk::Mesh::default()).expect("a mesh that builds");
     let stray = refused(&Edited::new(&empty), |file| file.replace(Section::Vertices, &[0x3f00_0000; 3]));
     assert_eq!(stray, DecodeError::SectionLength { section: Section::Vertices, words: 3 });
 }

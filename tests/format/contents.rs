@@ -135,7 +135,7 @@ fn the_first_box_of_a_chain_holds_them_all() {
     for number in (0..payloads.len()).filter(|number| payloads[*number].next != NONE && !continues(*number)) {
         let (first, second) = (&payloads[number], &payloads[payloads[number].next as usize]);
         for k in (0..3).filter(|k| second.upper[*k] > 0) {
-            let own = first.sides[k][1][..first.count as usize].iter().copied().max().unwrap();
+            let own = first.sides[k][1][..first.count as usize].iter().copied().max().expect("a block");
             if own < second.upper[k] {
                 let error = refused(&valid, |file| file.payloads()[number].upper[k] = own);
                 assert!(matches!(error, DecodeError::BadPayload { .. }), "{error}");
@@ -183,7 +183,7 @@ fn blocks_hold_triangles_of_the_mesh_inside_the_root() {
     }
     assert!(vacant > 20, "blocks are to have vacant lanes");
     // A triangle taken out whole: the header counts it.
-    let fuller = blocks.iter().position(|block| block.primitives[1] != NONE).unwrap();
+    let fuller = blocks.iter().position(|block| block.primitives[1] != NONE).expect("a block of two triangles");
     let error = refused(&valid, |file| {
         let block = &mut file.blocks()[fuller];
         block.primitives[1] = NONE;
@@ -200,7 +200,7 @@ fn the_entry_grid_names_the_node_of_each_cell() {
     let records = valid.records().to_vec();
     for (entry, &number) in (0..).zip(&grid) {
         let expected = DecodeError::BadGrid { entry };
-        let neighbour = grid.iter().copied().find(|other| *other != number).unwrap();
+        let neighbour = grid.iter().copied().find(|other| *other != number).expect("another node");
         let children = records[number as usize].offset;
         let is_inner = records[number as usize].head().is_inner();
         let mut others = vec![0, 1, 7, neighbour, number ^ 7, records.len() as u32, u32::MAX];

@@ -15,17 +15,19 @@ use leafwalk_testing::meshes;
 
 /// Levels 0 to 6 or so, with neighbours of the same size, coarser and finer.
 fn levels() -> Edited {
-    Edited::new(&Builder::new().step_cost(0.5).max_level(6).build(&meshes::soup(40, 21)).unwrap())
+    Edited::new(&Builder::new().step_cost(0.5).max_level(6).build(&meshes::soup(40, 21)).expect("a mesh that builds"))
 }
 
 /// Eight leaves of over 64 triangles each: chained payloads.
 fn chains() -> Edited {
-    Edited::new(&Builder::new().step_cost(0.5).max_level(1).build(&meshes::soup(1500, 22)).unwrap())
+    Edited::new(&Builder::new().step_cost(0.5).max_level(1).build(&meshes::soup(1500, 22)).expect("a mesh that builds"))
 }
 
 /// Four leaves or so of a compact octree, in blocks that share vertices.
 fn compact() -> Edited {
-    Edited::new(&Builder::new().compact().step_cost(0.5).max_level(2).build(&meshes::icosphere(1)).unwrap())
+    Edited::new(
+        &Builder::new().compact().step_cost(0.5).max_level(2).build(&meshes::icosphere(1)).expect("a mesh that builds"),
+    )
 }
 
 /// Decodes after an edit, and expects an error.

@@ -15,12 +15,12 @@ fn a_cut_file_is_truncated() {
     for length in 0..words.len() {
         let needed = if length < PREAMBLE_WORDS { PREAMBLE_WORDS } else { words.len() };
         let expected = DecodeError::Truncated { words: length, needed };
-        assert_eq!(Octree::from_words(&words[..length]).unwrap_err(), expected);
+        assert_eq!(Octree::from_words(&words[..length]).expect_err("words that do not decode"), expected);
     }
     let mut longer = words.clone();
     longer.push(0);
     let expected = DecodeError::Truncated { words: longer.len(), needed: words.len() };
-    assert_eq!(Octree::from_words(&longer).unwrap_err(), expected);
+    assert_eq!(Octree::from_words(&longer).expect_err("words that do not decode"), expected);
 }
 
 #[test]
@@ -28,7 +28,7 @@ fn a_cut_file_that_says_so_lacks_sections() {
     for mut valid in [levels(), chains(), compact()] {
         let mut ends: Vec<usize> =
             Section::ALL.map(|section| (valid.row(section)[1] + valid.row(section)[2]) as usize).into();
-        let content_end = ends.iter().copied().max().unwrap();
+        let content_end = ends.iter().copied().max().expect("a section");
         let mut random = Random::new(1, 0);
         ends.extend((0..200).map(|_| random.below(content_end)));
         for end in ends.into_iter().flat_map(|end| [end.saturating_sub(1), end, end + 1]) {
@@ -37,7 +37,7 @@ fn a_cut_file_that_says_so_lacks_sections() {
                 *total = end.min(content_end - 1) as u32;
             }
             reseal(&mut cut);
-            let error = Octree::from_words(&cut).unwrap_err();
+            let error = Octree::from_words(&cut).expect_err("words that do not decode");
             let expected = match cut.len() {
                 ..PREAMBLE_WORDS => matches!(error, DecodeError::Truncated { .. }),
                 n if n < PREAMBLE_WORDS + TABLE_ROW * Section::ALL.len() => {
@@ -58,11 +58,14 @@ fn bytes_must_be_aligned_whole_words() {
     let bytes: &[u8] = bytemuck::cast_slice(&words);
     for remainder in 1..4 {
         room[remainder..][..bytes.len()].copy_from_slice(bytes);
-        let error = Octree::from_bytes(&room[remainder..][..bytes.len()]).unwrap_err();
+        let error = Octree::from_bytes(&room[remainder..][..bytes.len()]).expect_err("words that do not decode");
         assert_eq!(error, DecodeError::Misaligned { remainder });
     }
     for length in (0..bytes.len()).filter(|length| length % 4 != 0) {
-        assert_eq!(Octree::from_bytes(&bytes[..length]).unwrap_err(), DecodeError::Ragged { bytes: length });
+        assert_eq!(
+            Octree::from_bytes(&bytes[..length]).expect_err("words that do not decode"),
+            DecodeError::Ragged { bytes: length }
+        );
     }
 }
 
@@ -75,7 +78,7 @@ fn the_first_words_tell_what_the_file_is() {
     }
     assert_eq!(refused(&valid, |file| file.words[0] = magic.swap_bytes()), DecodeError::OtherEndianness);
     let swapped: Vec<u32> = valid.words.iter().map(|word| word.swap_bytes()).collect();
-    assert_eq!(Octree::from_words(swapped).unwrap_err(), DecodeError::OtherEndianness);
+    assert_eq!(Octree::from_words(swapped).expect_err("words that do not decode"), DecodeError::OtherEndianness);
     for found in [valid.words[1] + 1, u32::MAX] {
         assert_eq!(refused(&valid, |file| file.words[1] = found), DecodeError::Version { found });
     }
@@ -89,7 +92,7 @@ fn every_flipped_bit_is_noticed() {
         let mut words = valid.clone();
         let at = 3 + random.below(words.len() - 3);
         words[at] ^= 1 << random.below(32);
-        let error = Octree::from_words(words).unwrap_err();
+        let error = Octree::from_words(words).expect_err("words that do not decode");
         assert!(matches!(error, DecodeError::Checksum { .. }), "word {at}: {error}");
     }
 }

@@ -109,7 +109,7 @@ fn no_leaf_is_deeper_than_the_deepest_level() {
         positions.extend([[x + i as f32 * size * 0.01, y, 0.3], [x + size, y, 0.3], [x, y + size, 0.3]]);
         triangles.push([3 * i + 3, 3 * i + 4, 3 * i + 5]);
     }
-    let octree = Builder::new().step_cost(0.5).build(&Mesh::new(positions, triangles)).unwrap();
+    let octree = Builder::new().step_cost(0.5).build(&Mesh::new(positions, triangles)).expect("a mesh that builds");
     let mut valid = Edited::new(&octree);
     let deepest: Vec<u32> = octree.parts().leaves().map(|(number, _)| number).collect();
     let level = |number: &u32| octree.parts().records[*number as usize].head().level();

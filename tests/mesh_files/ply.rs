@@ -31,8 +31,10 @@ impl Ply {
     fn number(&self, kind: &str, value: f64, out: &mut Vec<u8>) {
         let integer = value as i64;
         let little = match kind {
-            _ if self.format == "ascii" && kind == "float" => return write!(out, "{:e} ", value as f32).unwrap(),
-            _ if self.format == "ascii" => return write!(out, "{value} ").unwrap(),
+            _ if self.format == "ascii" && kind == "float" => {
+                return write!(out, "{:e} ", value as f32).expect("room in memory");
+            }
+            _ if self.format == "ascii" => return write!(out, "{value} ").expect("room in memory"),
             "char" | "int8" | "uchar" | "uint8" => (integer as u8).to_le_bytes().to_vec(),
             "short" | "int16" | "ushort" | "uint16" => (integer as u16).to_le_bytes().to_vec(),
             "int" | "int32" | "uint" | "uint32" => (integer as u32).to_le_bytes().to_vec(),
@@ -137,7 +139,7 @@ fn ply_index_types() {
 #[test]
 fn ply_header_variants() {
     let ascii = Ply { format: "ascii", ..Ply::default() };
-    let text = String::from_utf8(ascii.bytes(&[[1.5; 3]; 3], &[vec![2, 1, 0]])).unwrap();
+    let text = String::from_utf8(ascii.bytes(&[[1.5; 3]; 3], &[vec![2, 1, 0]])).expect("text");
     for variant in
         [text.replace('\n', "\r\n"), text.replace(" float ", "\tfloat  "), text.replace("made", "obj_info é")]
     {
@@ -169,7 +171,7 @@ fn bad_ply() {
         );
     }
     let ascii = Ply { format: "ascii", ..Ply::default() };
-    let text = String::from_utf8(ascii.bytes(&positions, &[vec![0, 1, 2]])).unwrap();
+    let text = String::from_utf8(ascii.bytes(&positions, &[vec![0, 1, 2]])).expect("text");
     for (good, bad) in [
         ("ply\n", "plyx\n"),
         ("ascii", "asciii"),
@@ -213,7 +215,7 @@ fn bad_ply() {
         refuse("bad.ply", text.replace("element vertex", "element point")),
         MeshError::MissingElement { element: "vertex", .. }
     );
-    let no_end = text.split("end_header").next().unwrap();
+    let no_end = text.split("end_header").next().expect("a header");
     assert_matches!(refuse("bad.ply", no_end), MeshError::Truncated { element, .. } if element == "end_header");
     assert_matches!(refuse("bad.ply", ""), MeshError::Truncated { .. });
     let negative = Ply { count: "char", ..Ply::default() };

@@ -26,9 +26,9 @@ const SCENES: [(&str, usize, usize); 16] = [
 ];
 
 fn mesh_files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+    for entry in fs::read_dir(folder).expect("a folder of scenes") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name().expect("a file").to_string_lossy().into_owned();
         if path.is_dir() {
             mesh_files(&path, found);
         } else if [".obj", ".ply", ".stl"].iter().any(|format| name.trim_end_matches(".gz").ends_with(format)) {
@@ -47,8 +47,8 @@ fn scenes_load() {
     mesh_files(Path::new(&scenes), &mut found);
     assert!(!found.is_empty(), "no mesh files in {scenes:?}");
     for path in found {
-        let file = load(&path).unwrap();
-        let name = path.file_name().unwrap().to_string_lossy();
+        let file = load(&path).expect("a file that can be read");
+        let name = path.file_name().expect("a file").to_string_lossy();
         let counts = (file.mesh.triangles.len(), file.mesh.positions.len());
         match SCENES.iter().find(|scene| scene.0 == name) {
             Some(&(_, triangles, vertices)) => assert_eq!(counts, (triangles, vertices), "{name}"),

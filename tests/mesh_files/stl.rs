@@ -42,7 +42,7 @@ fn stl_is_exact() {
     assert_exact(&read("a.stl", text.replace("solid a", "solid")));
     assert_exact(&read("a.stl", text.replace("normal 0 0 1", "normal -nan inf nan")));
     assert_exact(&read("a.stl", format!("\n\t{}\n\n", text.replace("solid a", "solid C:\\caf\u{e9}\\"))));
-    let second = text.rfind(" facet").unwrap();
+    let second = text.rfind(" facet").expect("a facet");
     assert_exact(&read("a.stl", format!("{}endsolid a\n\nsolid b\n{}", &text[..second], &text[second..])));
 }
 
@@ -72,10 +72,10 @@ fn bad_stl() {
     few[80] = 2;
     assert_matches!(refuse("bad.stl", few), MeshError::FalseCount { count: 2, .. });
     let text = text_stl(&triangles);
-    let whole = text.trim_end().strip_suffix("endsolid a").unwrap();
+    let whole = text.trim_end().strip_suffix("endsolid a").expect("its last line");
     assert_matches!(refuse("bad.stl", whole), MeshError::Truncated { read: 3, promised: None, .. });
     for (cut, found) in [("outer", 2), ("vertex", 2), ("endfacet", 2), (" facet", 2)] {
-        let cut = &text[..text.rfind(cut).unwrap()];
+        let cut = &text[..text.rfind(cut).expect("a word of the text")];
         assert_matches!(refuse("bad.stl", cut), MeshError::Truncated { read, .. } if *read == found);
     }
     for (good, bad) in [
