@@ -1,8 +1,9 @@
 //! `CpuTracer`: batches of rays on every core.
 
+use core::cell::RefCell;
 use core::fmt;
 
-use leafwalk_core::{Blocks, Frame, Hit, LengthMismatch, Octree, Ray, Tracer, Walk, Work};
+use leafwalk_core::{Blocks, Frame, Hit, LengthMismatch, Octree, Ray, Tracer, Work};
 use rayon::prelude::*;
 
 use crate::lanes::Registers;
@@ -11,7 +12,7 @@ use crate::trace::query::{AnyHit, ClosestHit, Query};
 use crate::trace::{Batch, Scratch, Tiling, Way, single};
 
 /// Rays a task: enough to hide the cost of handing it out, few enough to share the work evenly.
-const CHUNK: usize = 4096;
+const TASK: usize = 4096;
 
 /// Traces batches over the threads of the current rayon pool; answers do not depend on how many there are.
 #[derive(Clone)]
@@ -71,11 +72,18 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
         rays: &[Ray],
         answers: &mut [Q::Answer],
     ) -> Result<(), LengthMismatch> {
+        // A new scratch would have to be filled for each batch.
+        thread_local!(static SCRATCH: RefCell<Scratch> = const { RefCell::new(Scratch::new()) });
+        LengthMismatch::check(rays.len(), answers.len())?;
         let bvh = &Bvh::new(&self.octree, self.frame, blocks);
         let Self { tiling, way, .. } = *self;
-        answer(rays, answers, Scratch::new, |scratch, rays, answers| {
-            self.registers.run(Batch::<B, Q> { bvh, tiling, way, scratch, rays, answers });
-        })
+        let tasks = rays.par_chunks(TASK).zip(answers.par_chunks_mut(TASK));
+        tasks.for_each(|(rays, answers)| {
+            SCRATCH.with_borrow_mut(|scratch| {
+                self.registers.run(Batch::<B, Q> { bvh, tiling, way, scratch, rays, answers });
+            });
+        });
+        Ok(())
     }
 
     /// Closest hits, each with the work it took, for heat maps and reports.
@@ -83,28 +91,13 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     /// # Errors
     /// When the slices differ in length.
     pub fn closest_hits_with_work(&self, rays: &[Ray], answers: &mut [(Hit, Work)]) -> Result<(), LengthMismatch> {
-        let parts = self.octree.parts();
-        let walk = || Walk::new(&parts);
-        answer(rays, answers, walk, |walk, rays, answers| {
-            for (ray, answer) in rays.iter().zip(answers) {
-                let (hit, work) = walk.closest_hit_with_work(ray);
-                *answer = (hit.unwrap_or(Hit::MISS), work);
-            }
-        })
+        LengthMismatch::check(rays.len(), answers.len())?;
+        rays.par_iter().zip(answers).for_each(|(ray, answer)| {
+            let (hit, work) = self.octree.closest_hit_with_work(ray);
+            *answer = (hit.into(), work);
+        });
+        Ok(())
     }
-}
-
-/// Shares rays out; `scratch` makes what a thread keeps from one task to the next.
-fn answer<A: Send, S>(
-    rays: &[Ray],
-    answers: &mut [A],
-    scratch: impl Fn() -> S + Sync + Send,
-    trace: impl Fn(&mut S, &[Ray], &mut [A]) + Sync + Send,
-) -> Result<(), LengthMismatch> {
-    LengthMismatch::check(rays.len(), answers.len())?;
-    let tasks = rays.par_chunks(CHUNK).zip(answers.par_chunks_mut(CHUNK));
-    tasks.for_each_init(scratch, |scratch, (rays, answers)| trace(scratch, rays, answers));
-    Ok(())
 }
 
 impl<W: AsRef<[u32]> + Sync> Tracer for CpuTracer<W> {

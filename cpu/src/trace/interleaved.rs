@@ -94,17 +94,18 @@ impl<L: Eight> Interleaved<L> {
     /// Lets the rays take turns until one ends, and answers it.
     #[inline(always)]
     fn trace<B: BlockSource, Q: Query>(&mut self, bvh: &Bvh<'_, B>, answers: &mut [Q::Answer]) {
+        let (slots, mut turn) = (self.slots.as_mut_slice(), self.turn);
         loop {
-            self.turn = if self.turn < self.slots.len() { self.turn } else { 0 };
-            let slot = &mut self.slots[self.turn];
+            turn = if turn < slots.len() { turn } else { 0 };
+            let slot = &mut slots[turn];
             slot.visit::<B, Q>(bvh, &mut self.room);
             if slot.child == END {
                 answers[slot.index] = Q::answer(&slot.probe.clock, &slot.probe.nearest);
-                self.is_free = true;
-                return;
+                break;
             }
-            self.turn += 1;
+            turn += 1;
         }
+        (self.turn, self.is_free) = (turn, true);
     }
 }
 

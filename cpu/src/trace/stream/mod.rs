@@ -47,7 +47,8 @@ struct Visit {
 /// Rays that wait or are under way, and room for their lists.
 pub(crate) struct Stream {
     groups: [Group; 8],
-    /// Rays by their places in the group: those that meet each child that waits, the child to visit next last.
+    /// Rays by their places in the group: all of them, which the root is visited with, then those that meet each child that
+    /// waits, the child to visit next last. What stands behind that is left over from earlier visits.
     lists: Vec<[u32; 8]>,
     visits: Box<[Visit; WAITING]>,
     /// Nodes visited since the sharing was last asked for, and the sum of the numbers of rays that met each.
@@ -59,7 +60,7 @@ impl Stream {
     pub(crate) fn new() -> Self {
         Self {
             groups: core::array::from_fn(|_| Group::new()),
-            lists: Vec::new(),
+            lists: (0..EIGHTS as u32).map(|eight| unroll!(lane in 0..8 => 8 * eight + lane)).collect(),
             visits: Box::new([Visit { child: ROOT, begin: 0, len: 0 }; WAITING]),
             nodes: 0,
             rays_at_nodes: 0,
@@ -103,8 +104,6 @@ impl Stream {
         let neg = octant as u32;
         let order = L::order(neg);
         let mut visit = Visit { child: ROOT, begin: 0, len: group.len() as u32 };
-        lists.clear();
-        lists.extend((0..EIGHTS as u32).map(|eight| unroll!(lane in 0..8 => 8 * eight + lane)));
         let (mut nodes, mut rays_at_nodes) = (0, 0);
         let (mut waiting, mut room) = (0, None);
         loop {
@@ -113,13 +112,13 @@ impl Stream {
             if let Some(node) = bvh.node(child) {
                 nodes += 1;
                 rays_at_nodes += u64::from(len);
-                // The lists of all children fit behind this one.
-                let end = begin + eights;
+                // The lists of all children fit behind this one, and behind that of the root, which stays.
+                let end = (begin + eights).max(EIGHTS);
                 if lists.len() < end + 8 * eights {
                     lists.resize(end + 8 * eights, [0; 8]);
                 }
                 let (lists, room) = lists.split_at_mut(end);
-                let list = &lists[begin..];
+                let list = &lists[begin..begin + eights];
                 let (met, mut left) = group.boxes_hit::<L>(node, order, neg, list, len as usize);
                 let room = room.as_flattened_mut();
                 let mut top = 0;
