@@ -23,6 +23,7 @@
 //!
 //! Batches go to a [`Tracer`]: [`CpuTracer`] answers them on every core and, with the feature `gpu`, `gpu::GpuTracer` on a
 //! GPU. [`load`] and [`save`] read and write files.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "mesh-files")]

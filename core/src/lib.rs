@@ -43,3 +43,8 @@ pub use ray::{CanonicalRay, Clock, Hit, Ray, hit_hash};
 pub use stats::{LEAF_SIZES, Stats};
 pub use trace::{Walk, Work};
 pub use tracer::{LengthMismatch, Tracer, one_by_one};
+
+/// The examples of the README are tests too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

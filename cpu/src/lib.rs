@@ -22,3 +22,8 @@ pub use build::{BuildError, Builder, Progress};
 pub use mesh::Mesh;
 pub use tracer::CpuTracer;
 pub use verify::{Verified, VerifyError, verify, verify_against};
+
+/// The examples of the README are tests too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

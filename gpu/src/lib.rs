@@ -48,3 +48,8 @@ pub use pinhole::Pinhole;
 pub use self_test::{Finding, Matter, Promise, SelfTest};
 pub use submission::{DeviceHits, DeviceOcclusions, Submission};
 pub use tracer::GpuTracer;
+
+/// The examples of the README are tests too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
