@@ -4,6 +4,7 @@
 //! An octree is a run of `u32` words ([`Octree`]), validated once and then traced in place. It is built by the crate
 //! `leafwalk-cpu`. Rays go in as [`Ray`], answers come back as [`Hit`]; [`Tracer`] is the batch interface that every
 //! backend shares.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -5,6 +5,7 @@
 //! eight lanes. No answer depends on the way to it, so both give the same bits.
 //!
 //! How a batch of rays is traced is told where `trace` begins; `lanes` are the registers that it runs on.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(unsafe_code)]
 
 mod brute_force;
