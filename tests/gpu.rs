@@ -3,7 +3,7 @@
 
 use std::process::ExitCode;
 
-use leafwalk::gpu::{Kind, adapters};
+use leafwalk::gpu::{AdapterKind, adapters};
 use leafwalk_testing::meshes::{bumpy_sphere, icosphere};
 use leafwalk_testing::shell::{Outcome, Shell, obj};
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -20,7 +20,7 @@ const TESTS: [(&str, fn()); 7] = [
 ];
 
 fn main() -> ExitCode {
-    let has_adapter = adapters().iter().any(|adapter| adapter.kind == Kind::Software);
+    let has_adapter = adapters().iter().any(|adapter| adapter.kind == AdapterKind::Software);
     let is_required = std::env::var_os("LEAFWALK_REQUIRE_GPU").is_some();
     let trial = |(name, test): (&'static str, fn())| match (has_adapter, is_required) {
         (true, _) => Trial::test(name, move || {
@@ -52,6 +52,11 @@ fn same_answers() {
     assert_eq!(gpu["hit_hash"], cpu["hit_hash"]);
     assert!(gpu["hits"].as_u64().is_some_and(|hits| hits > 100), "{gpu}");
     assert_eq!([&gpu["backend"], &gpu["flavour"], &gpu["promise"]], ["gpu", "exact", "exact"]);
+    // The octree was built for CPUs, and meshes are built for what traces them.
+    assert!(gpu["octree_advice"].as_str().is_some_and(|advice| advice.contains("--step-cost 64")), "{gpu}");
+    assert!(cpu.get("octree_advice").is_none(), "{cpu}");
+    let built = shell.json("render sphere.obj -o built.png --size 64x48 --backend gpu --adapter software");
+    assert!(built.get("octree_advice").is_none(), "{built}");
     assert!(gpu["adapter"].as_str().is_some_and(|name| name.contains(" by ")), "{gpu}");
     assert!(shell.read("cpu.csv") == shell.read("gpu.csv"), "the hits differ");
 
@@ -73,7 +78,7 @@ fn listing() {
     for (printed, adapter) in listed["list"].as_array().expect("a list").iter().zip(adapters) {
         assert_eq!(printed["name"], adapter.to_string());
         assert_eq!(printed["binding_bytes"], adapter.binding_bytes);
-        assert!(adapter.kind != Kind::Software || printed["exact"] == "exact", "{printed}");
+        assert!(adapter.kind != AdapterKind::Software || printed["exact"] == "exact", "{printed}");
     }
 }
 
@@ -98,7 +103,7 @@ fn render_on(adapter: &str) -> Outcome {
 }
 
 fn software() {
-    if adapters().iter().any(|adapter| adapter.kind != Kind::Software) {
+    if adapters().iter().any(|adapter| adapter.kind != AdapterKind::Software) {
         return println!("skipped: this machine has a GPU, which auto takes");
     }
     let outcome = render_on("auto");

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use leafwalk::{Builder, Hit, Mesh, Octree, Ray, Work};
-use leafwalk_gpu::{Flavour, Gpu, GpuTracer, Kind, Pick};
+use leafwalk_gpu::{AdapterChoice, AdapterKind, Flavour, Gpu, GpuTracer, SelfTest};
 use leafwalk_testing::{meshes, scenes, workloads};
 
 use contender::{Contender, Ours};
@@ -65,14 +65,14 @@ fn side(text: &str) -> Result<u32, String> {
 
 fn main() {
     let arguments = Arguments::parse();
-    let pick = arguments.adapter.clone().map_or_else(Pick::from_environment, Pick::from);
-    let gpu = Gpu::open(&pick).unwrap_or_else(|error| fail(&error.to_string()));
+    let choice = arguments.adapter.clone().map_or_else(AdapterChoice::from_environment, AdapterChoice::from);
+    let gpu = Gpu::open(&choice).unwrap_or_else(|error| fail(&error.to_string()));
     let adapter = gpu.adapter();
     println!("{adapter}, {}; wgpu tells no registers, occupancy or cache hits", adapter.driver);
     for flavour in [Flavour::Exact, Flavour::Fast] {
-        println!("self-test, {flavour}: {}", gpu.self_test(flavour).expect("a working device"));
+        println!("self-test, {flavour}: {}", SelfTest::of(&gpu, flavour).expect("a working device"));
     }
-    let is_software = adapter.kind == Kind::Software;
+    let is_software = adapter.kind == AdapterKind::Software;
     let rounds = arguments.rounds.unwrap_or(if is_software { 0 } else { ROUNDS });
     let clock = if adapter.has_timestamps { "the device's timestamps" } else { "the clock on the wall" };
     let kind = if is_software { "a software adapter, whose speed says nothing; " } else { "" };
@@ -141,7 +141,7 @@ struct Scene {
 fn measure(gpu: &Gpu, scene: &Scene, sizes: &[(&str, u32)], rounds: u32, report: &mut Report) {
     let Scene { name, mesh, inside, octree } = scene;
     let [exact, fast] = [Flavour::Exact, Flavour::Fast]
-        .map(|flavour| gpu.tracer(octree, flavour).unwrap_or_else(|error| fail(&error.to_string())));
+        .map(|flavour| GpuTracer::on(gpu, octree, flavour).unwrap_or_else(|error| fail(&error.to_string())));
     let cwbvh = Cwbvh::new(mesh, &gpu.adapter().to_string());
     println!("\n{name}: {} triangles", mesh.triangles.len());
     Report::print_head();

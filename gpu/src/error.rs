@@ -1,113 +1,103 @@
-//! Why a GPU gave no answers.
+//! `GpuError`: why a batch of rays got no answers from a GPU.
 
 use core::fmt;
 
 use leafwalk_core::LengthMismatch;
 
-use crate::adapter::{Adapter, Pick};
+use crate::device::DeviceError;
 
-/// What can go wrong between a batch of rays and its answers.
+/// What can go wrong between an octree with a batch of rays, and the answers.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum GpuError {
-    /// No adapter is what was asked for.
-    NoAdapter {
-        /// What was asked for.
-        pick: Pick,
-        /// The backends that this build tries.
-        tried: Vec<&'static str>,
-        /// The adapters that they offer.
-        seen: Vec<Adapter>,
-    },
-    /// The adapter gives no device with the limits that WebGPU promises.
-    NoDevice {
-        /// Which adapter.
-        adapter: Adapter,
-        /// The driver's reason.
-        reason: String,
-    },
-    /// The structure does not fit into the bindings that shaders may have.
-    StructureTooLarge {
-        /// Its size.
+    /// There is no device, or it failed.
+    Device(DeviceError),
+    /// The octree does not fit into the storage buffers that a shader may have.
+    OctreeTooLarge {
+        /// The octree's size in bytes.
         bytes: u64,
-        /// What fits.
+        /// The largest size in bytes that fits.
         most: u64,
     },
     /// The octree is compact: its blocks name their vertices by number, which the shaders do not read.
     CompactOctree,
-    /// The device numbers rays in 32 bits.
-    CameraTooLarge {
-        /// Pixels across.
-        width: u32,
-        /// Pixels down.
-        height: u32,
-    },
-    /// The device has no memory left.
-    OutOfMemory {
-        /// The driver's words.
-        reason: String,
-    },
-    /// The device is gone: unplugged, reset by its driver, or stopped because it took too long.
-    DeviceLost {
-        /// The driver's words.
-        reason: String,
-    },
-    /// The driver refuses what it was given, or fails.
-    Driver {
-        /// The driver's words.
-        reason: String,
-    },
-    /// As many answers as rays are needed.
+    /// The slices of rays and answers differ in length.
     Lengths(LengthMismatch),
+    /// A ray generation shader was asked for more rays than 32 bits can number.
+    TooManyRays {
+        /// How many rays were asked for.
+        rays: usize,
+    },
+    /// The text of a ray generation shader does not compile.
+    RayShader {
+        /// The compiler's message.
+        reason: String,
+    },
+    /// The rays on the device were made for an octree in another frame, or for another device.
+    ForeignRays,
 }
 
 impl fmt::Display for GpuError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoAdapter { pick, tried, seen } => {
-                write!(f, "no adapter is {pick} (tried {}", tried.join(", "))?;
-                for (i, adapter) in seen.iter().enumerate() {
-                    write!(f, "{} {adapter}", if i == 0 { "; there is" } else { "," })?;
-                }
-                write!(f, "): ")?;
-                match (pick, seen.is_empty()) {
-                    (Pick::Auto, false) => write!(
-                        f,
-                        "install the driver of your GPU, or ask for the software adapter, which is slower than the CPU backend"
-                    ),
-                    (Pick::Name(_), false) => write!(f, "choose one of these"),
-                    _ => write!(
-                        f,
-                        "install the driver of your GPU, or a software adapter (Debian: apt install mesa-vulkan-drivers)"
-                    ),
-                }
-            }
-            Self::NoDevice { adapter, reason } => {
-                write!(f, "{adapter} gives no device with WebGPU's default limits ({reason}): choose another adapter")
-            }
-            Self::StructureTooLarge { bytes, most } => {
+            Self::Device(source) => source.fmt(f),
+            Self::OctreeTooLarge { bytes, most } => {
                 write!(f, "an octree of {bytes} bytes where the shaders reach {most}: trace it on the CPU")
             }
             Self::CompactOctree => {
                 write!(f, "shaders read no compact octrees: build it without `compact`, or trace it on the CPU")
             }
-            Self::CameraTooLarge { width, height } => {
-                write!(f, "a camera of {width} x {height} pixels has 2^32 rays or more: trace it in parts")
-            }
-            Self::OutOfMemory { reason } => {
-                write!(f, "the device is out of memory ({reason}): trace on the CPU, or free device memory")
-            }
-            Self::DeviceLost { reason } => write!(f, "the device was lost ({reason}): open it anew"),
-            Self::Driver { reason } => write!(f, "the driver failed ({reason}): update it, or choose another adapter"),
             Self::Lengths(source) => source.fmt(f),
+            Self::TooManyRays { rays } => {
+                write!(f, "{rays} rays where a shader numbers at most 2^32 - 1: generate them in parts")
+            }
+            Self::RayShader { reason } => {
+                write!(f, "the ray generation shader does not compile ({reason}): correct its text")
+            }
+            Self::ForeignRays => write!(
+                f,
+                "these rays were made for an octree in another frame or for another device: make them with the tracer \
+                 that they are submitted to"
+            ),
         }
     }
 }
 
-impl core::error::Error for GpuError {}
+impl core::error::Error for GpuError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Device(source) => Some(source),
+            Self::Lengths(source) => Some(source),
+            _ => None,
+        }
+    }
+}
+
+impl From<DeviceError> for GpuError {
+    fn from(source: DeviceError) -> Self {
+        Self::Device(source)
+    }
+}
 
 impl From<LengthMismatch> for GpuError {
     fn from(source: LengthMismatch) -> Self {
         Self::Lengths(source)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use core::error::Error;
+
+    use super::*;
+
+    #[test]
+    fn wrapped_errors_are_sources() {
+        let lengths = LengthMismatch { rays: 3, answers: 2 };
+        let lost = DeviceError::Lost { reason: "unplugged".to_owned() };
+        let text = |error: &GpuError| error.source().map(ToString::to_string);
+        assert_eq!(text(&lengths.into()), Some(lengths.to_string()));
+        assert_eq!(text(&lost.clone().into()), Some(lost.to_string()));
+        assert_eq!(text(&GpuError::CompactOctree), None);
     }
 }

@@ -1,87 +1,70 @@
-//! `GpuTracer`: the `Tracer` whose walks run on a device.
+//! `GpuTracer`: the tracer whose walks run on a device.
 
 use core::fmt;
 
-use leafwalk_core::{Frame, Hit, Octree, Ray, Tracer, Work};
+use leafwalk_core::{Clock, Hit, Octree, Ray, Tracer, Work};
 
-use crate::adapter::{Adapter, Pick};
-use crate::batch::{Batch, Slots};
-use crate::chunk::Split;
+use crate::batch::{Batch, BufferPool};
+use crate::device::{Adapter, AdapterChoice, Exactness, Gpu, SelfTest};
 use crate::error::GpuError;
 use crate::flavour::Flavour;
-use crate::gpu::Gpu;
-use crate::kernel::{Kernel, Module};
-use crate::ray::{DeviceAnswer, DeviceHit};
-use crate::self_test::{Promise, SelfTest};
-use crate::shader;
-use crate::structure::Structure;
+use crate::resident::{DeviceHits, DeviceOcclusions, DeviceRays, RayGenerator};
+use crate::shader::{self, Arithmetic};
+use crate::walk::{DeviceAnswer, DeviceHit, WalkKernels};
 
-/// Answers batches of rays on a device. What it promises about the bits, [`GpuTracer::promise`] says.
+/// Answers batches of rays on a device, by the walk from leaf to leaf that [`Octree`] makes on the CPU.
+///
+/// Rays of the [`Tracer`] interface are uploaded with each batch. Rays that are traced more than once, or made on the
+/// device, stay there as [`DeviceRays`]; their answers stay there, too, until they are read.
 pub struct GpuTracer {
-    pub(crate) gpu: Gpu,
-    pub(crate) frame: Frame,
+    kernels: WalkKernels,
     flavour: Flavour,
     self_test: SelfTest,
-    pub(crate) module: Module,
-    pub(crate) structure: wgpu::BindGroup,
-    pub(crate) closest_hits: Kernel,
-    pub(crate) occlusions: Kernel,
-    closest_hits_with_work: Kernel,
-    slots: Slots,
-    pub(crate) camera: (Module, Kernel),
+    step_cost: f32,
+    pool: BufferPool,
 }
 
 impl GpuTracer {
-    /// Opens an adapter, tests its arithmetic and uploads the octree's words as they are.
-    ///
-    /// An octree of smaller leaves than a CPU wants is traced faster: one built with a step cost of 64.
+    /// Opens an adapter, tries its arithmetic, and uploads the octree's words as they are.
     ///
     /// # Errors
-    /// [`GpuError`]: no such adapter, no device, no room, or an octree that is compact or larger than the
-    /// shaders' bindings reach.
-    pub fn new<W: AsRef<[u32]>>(octree: &Octree<W>, pick: Pick, flavour: Flavour) -> Result<Self, GpuError> {
-        Gpu::open(&pick)?.tracer(octree, flavour)
+    /// There is no such adapter, or it fails; or the octree is compact, or larger than the shader's bindings reach.
+    pub fn new<W: AsRef<[u32]>>(octree: &Octree<W>, choice: AdapterChoice, flavour: Flavour) -> Result<Self, GpuError> {
+        Self::on(&Gpu::open(&choice)?, octree, flavour)
     }
 
-    /// [`Gpu::tracer`] with bindings of at most `binding_bytes`, for tests of octrees that need several.
-    #[doc(hidden)]
-    pub fn split<W: AsRef<[u32]>>(
+    /// Makes a tracer on a device that is open, and may have other tracers.
+    ///
+    /// # Errors
+    /// As [`GpuTracer::new`], but for the adapter.
+    pub fn on<W: AsRef<[u32]>>(gpu: &Gpu, octree: &Octree<W>, flavour: Flavour) -> Result<Self, GpuError> {
+        let binding_bytes = gpu.device.limits().max_storage_buffer_binding_size;
+        Self::with_arithmetic(gpu, octree, flavour, flavour.into(), binding_bytes)
+    }
+
+    /// Makes a tracer whose text computes with the given arithmetic, the flavour's own or a mutant of it, and whose
+    /// octree is spread over bindings of at most `binding_bytes`.
+    pub(crate) fn with_arithmetic<W: AsRef<[u32]>>(
         gpu: &Gpu,
         octree: &Octree<W>,
         flavour: Flavour,
+        arithmetic: Arithmetic,
         binding_bytes: u64,
     ) -> Result<Self, GpuError> {
-        if octree.is_compact() {
-            return Err(GpuError::CompactOctree);
-        }
-        let split = Split::new(size_of_val(octree.as_words()) as u64, binding_bytes)?;
-        let self_test = gpu.self_test(flavour)?;
-        let module = Module::new(gpu, "tracing", &shader::tracing(flavour, split), split.bindings)?;
-        let kernel = |name, any_hit: bool| module.kernel(gpu, name, &[("ANY_HIT", f64::from(u8::from(any_hit)))]);
-        let (closest_hits, occlusions) = (kernel("closest_hits", false)?, kernel("occlusions", true)?);
-        let closest_hits_with_work = kernel("closest_hits_with_work", false)?;
-        let camera = Module::new(gpu, "camera", &shader::camera(flavour), 0)?;
-        let camera_rays = camera.kernel(gpu, "camera_rays", &[])?;
-        let structure = Structure::upload(gpu, octree, split)?.bind(gpu, &module);
-        gpu.check()?;
-        Ok(Self {
-            gpu: gpu.clone(),
-            frame: octree.parts().frame,
-            flavour,
-            self_test,
-            module,
-            structure,
-            closest_hits,
-            occlusions,
-            closest_hits_with_work,
-            slots: Slots::default(),
-            camera: (camera, camera_rays),
-        })
+        let kernels = WalkKernels::new(gpu, octree, arithmetic, binding_bytes)?;
+        let self_test = SelfTest::of_text(gpu, &shader::checks(arithmetic))?;
+        let step_cost = octree.parts().header.step_cost;
+        Ok(Self { kernels, flavour, self_test, step_cost, pool: BufferPool::default() })
+    }
+
+    /// The device that traces.
+    pub fn gpu(&self) -> &Gpu {
+        &self.kernels.gpu
     }
 
     /// The adapter that traces.
     pub fn adapter(&self) -> &Adapter {
-        self.gpu.adapter()
+        self.gpu().adapter()
     }
 
     /// The flavour of the shader.
@@ -95,23 +78,64 @@ impl GpuTracer {
     }
 
     /// Whether hits have the CPU's bits.
-    pub fn promise(&self) -> Promise {
-        self.self_test.promise()
+    pub fn exactness(&self) -> Exactness {
+        self.self_test.exactness()
     }
 
-    /// Closest hits, and what each takes: as many cells as the scalar tracer, and about as many blocks.
+    /// The step cost that the octree was built with. Where it is larger than `Builder::WALK_STEP_COST` of `leafwalk-cpu`,
+    /// the leaves are large, as CPUs want them; an octree built with that cost gives the same hits sooner.
+    pub fn step_cost(&self) -> f32 {
+        self.step_cost
+    }
+
+    /// Finds closest hits, and counts the work of each walk: as many cells as the CPU's walk visits, and about as many
+    /// blocks, since a driver may round the tests of their boxes as it likes.
     ///
     /// # Errors
-    /// [`GpuError`], when the slices differ in length or the device fails.
+    /// When the slices differ in length, or the device fails.
     pub fn closest_hits_with_work(&self, rays: &[Ray], answers: &mut [(Hit, Work)]) -> Result<(), GpuError> {
-        self.batch().run(&self.closest_hits_with_work, rays, answers, |found: DeviceAnswer, clock| {
+        let finish = |found: DeviceAnswer, clock: &Clock| {
             (found.hit.reported(clock), Work { cells: found.cells, blocks: found.blocks })
-        })
+        };
+        self.batch().run(&self.kernels.closest_hits_with_work, rays, answers, finish)
+    }
+
+    /// Uploads rays, once for any number of submissions.
+    ///
+    /// # Errors
+    /// When the device has no room for them, or fails.
+    pub fn upload(&self, rays: &[Ray]) -> Result<DeviceRays, GpuError> {
+        Ok(DeviceRays::upload(&self.kernels.gpu, self.kernels.frame, rays)?)
+    }
+
+    /// Compiles a ray generation shader, which makes rays for this tracer on its device. What the text is to define,
+    /// [`RayGenerator`] says.
+    ///
+    /// # Errors
+    /// [`GpuError::RayShader`] when the text does not compile.
+    pub fn ray_generator(&self, source: &str) -> Result<RayGenerator, GpuError> {
+        RayGenerator::compile(&self.kernels.gpu, self.kernels.frame, self.flavour, source)
+    }
+
+    /// Finds the closest hits of rays on the device, and leaves them there. Does not wait.
+    ///
+    /// # Errors
+    /// When the device has no room for the hits, or fails; [`GpuError::ForeignRays`] when the rays were made for an octree
+    /// in another frame, or for another device.
+    pub fn submit(&self, rays: &DeviceRays) -> Result<DeviceHits, GpuError> {
+        DeviceHits::closest_hits(&self.kernels, rays)
+    }
+
+    /// Finds whether anything is hit by rays on the device, and leaves the answers there. Does not wait.
+    ///
+    /// # Errors
+    /// As [`GpuTracer::submit`].
+    pub fn submit_occlusions(&self, rays: &DeviceRays) -> Result<DeviceOcclusions, GpuError> {
+        DeviceOcclusions::occlusions(&self.kernels, rays)
     }
 
     fn batch(&self) -> Batch<'_> {
-        let Self { gpu, frame, module, structure, slots, .. } = self;
-        Batch { gpu, frame: *frame, module, structure, slots }
+        Batch { kernels: &self.kernels, pool: &self.pool }
     }
 }
 
@@ -119,21 +143,20 @@ impl Tracer for GpuTracer {
     type Error = GpuError;
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), GpuError> {
-        self.batch().run(&self.closest_hits, rays, hits, |hit: DeviceHit, clock| hit.reported(clock))
+        self.batch().run(&self.kernels.closest_hits, rays, hits, |hit: DeviceHit, clock| hit.reported(clock))
     }
 
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), GpuError> {
-        self.batch().run(&self.occlusions, rays, occluded, |is_hit: u32, _| is_hit != 0)
+        self.batch().run(&self.kernels.occlusions, rays, occluded, |is_hit: u32, _| is_hit != 0)
     }
 }
 
 impl fmt::Debug for GpuTracer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { gpu, flavour, self_test, .. } = self;
         f.debug_struct("GpuTracer")
-            .field("adapter", gpu.adapter())
-            .field("flavour", flavour)
-            .field("self_test", self_test)
+            .field("adapter", self.adapter())
+            .field("flavour", &self.flavour)
+            .field("self_test", &self.self_test)
             .finish_non_exhaustive()
     }
 }

@@ -4,41 +4,52 @@
 use core::mem::offset_of;
 use std::path::Path;
 
-use leafwalk_gpu::Flavour;
-use leafwalk_gpu::chunk::{MOST_BINDINGS, Split};
-use leafwalk_gpu::pinhole::DeviceCamera;
-use leafwalk_gpu::ray::{DeviceAnswer, DeviceHit, DeviceRay};
-use leafwalk_gpu::shader;
-use leafwalk_gpu::structure::Setup;
+use leafwalk_gpu::testing::{
+    Arithmetic, DeviceAnswer, DeviceHit, DeviceRay, MOST_BINDINGS, MapSetup, OctreeSetup, WordBindings, checks,
+    generating, tracing,
+};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-/// As WebGPU's default limits split a structure of one binding, and of six.
-const WHOLE: Split = Split { bindings: 1, shift: 23 };
-const IN_SIX: Split = Split { bindings: MOST_BINDINGS, shift: 23 };
+/// The bindings of an octree of up to 128 MiB, the most that WebGPU promises of one binding.
+const WHOLE: WordBindings = WordBindings { count: 1, shift: 23 };
+/// A ray generation shader: the camera that the tests with a device make rays by.
+const CAMERA: &str = include_str!("device/camera.wgsl");
 
-/// Every text, with the name that it is committed under.
+/// The texts that are committed, with the names of their files.
+fn committed() -> [(&'static str, String); 2] {
+    [("exact.wgsl", tracing(Arithmetic::Exact, WHOLE)), ("fast.wgsl", tracing(Arithmetic::Fast, WHOLE))]
+}
+
+/// Every text that there is: kernels that trace octrees in any number of bindings, make rays, and check.
 fn texts() -> Vec<(String, String)> {
-    let of = |flavour: Flavour| {
-        [
-            (format!("{flavour}.wgsl"), shader::tracing(flavour, WHOLE)),
-            (format!("{flavour}_in_six.wgsl"), shader::tracing(flavour, IN_SIX)),
-            (format!("{flavour}_camera.wgsl"), shader::camera(flavour)),
-            (format!("{flavour}_checks.wgsl"), shader::checks(flavour)),
-        ]
+    let of = |arithmetic: Arithmetic| {
+        let bindings = (1..=MOST_BINDINGS).map(move |count| {
+            (format!("{arithmetic} in {count}"), tracing(arithmetic, WordBindings { count, ..WHOLE }))
+        });
+        bindings.chain([
+            (format!("{arithmetic}, rays"), generating(arithmetic, CAMERA)),
+            (format!("{arithmetic}, checks"), checks(arithmetic)),
+        ])
     };
-    [Flavour::Exact, Flavour::Fast].into_iter().flat_map(of).collect()
+    [Arithmetic::Exact, Arithmetic::Fast, Arithmetic::Unguarded].into_iter().flat_map(of).collect()
 }
 
 fn parsed(name: &str, text: &str) -> naga::Module {
     naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(text)))
 }
 
-/// Run with LEAFWALK_WRITE_SHADERS set to write them anew.
+/// To bless a change of the shaders, run this test with the environment variable LEAFWALK_WRITE_SHADERS set: it then
+/// writes the two texts anew, and passes.
 #[test]
 fn committed_shaders_are_the_generated_ones() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
-    for (name, text) in texts() {
-        let path = folder.join(&name);
+    let entries = folder.read_dir().expect("the folder is there");
+    let mut files: Vec<String> =
+        entries.map(|entry| entry.expect("a file").file_name().to_string_lossy().into_owned()).collect();
+    files.sort();
+    assert_eq!(files, committed().map(|(name, _)| name), "other texts are generated where they are needed");
+    for (name, text) in committed() {
+        let path = folder.join(name);
         if std::env::var_os("LEAFWALK_WRITE_SHADERS").is_some() {
             std::fs::write(&path, &text).expect("the folder is there");
         }
@@ -67,14 +78,10 @@ fn shaders_are_valid_without_any_capability() {
 
 #[test]
 fn structs_have_the_offsets_of_rust() {
-    let modules = [shader::tracing(Flavour::Exact, WHOLE), shader::camera(Flavour::Exact)];
-    let modules = modules.map(|text| parsed("exact", &text));
-    let layout = |wanted: &str| {
-        let found = modules
-            .iter()
-            .flat_map(|module| module.types.iter())
-            .find(|(_, ty)| ty.name.as_deref() == Some(wanted))
-            .map(|(_, ty)| &ty.inner);
+    let tracing = parsed("tracing", &tracing(Arithmetic::Exact, WHOLE));
+    let checks = parsed("checks", &checks(Arithmetic::Exact));
+    let layout = |module: &naga::Module, wanted: &str| {
+        let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(wanted)).map(|(_, ty)| &ty.inner);
         let Some(naga::TypeInner::Struct { members, span }) = found else { panic!("no struct {wanted}") };
         let name = |member: &naga::StructMember| member.name.clone().unwrap_or_default();
         (members.iter().map(|member| (name(member), member.offset as usize)).collect::<Vec<_>>(), *span as usize)
@@ -84,43 +91,29 @@ fn structs_have_the_offsets_of_rust() {
             (vec![$((stringify!($field).to_owned(), offset_of!($ty, $field))),+], size_of::<$ty>())
         };
     }
-    assert_eq!(layout("CanonicalRay"), of_rust!(DeviceRay, origin, t_min, direction, t_max));
-    assert_eq!(layout("Hit"), of_rust!(DeviceHit, t, u, v, primitive));
-    assert_eq!(layout("Answer"), of_rust!(DeviceAnswer, hit, cells, blocks, unused_0, unused_1));
-    let camera = of_rust!(
-        DeviceCamera,
-        origin,
-        t_min,
-        corner,
-        t_max,
-        right,
-        width,
-        down,
-        height,
-        tiles_across,
-        first,
-        unused_0,
-        unused_1
-    );
-    assert_eq!(layout("Camera"), camera);
-    let setup = of_rust!(Setup, records, payloads, blocks, grid, grid_bits, zero, unused_0, unused_1);
-    assert_eq!(layout("Setup"), setup);
+    assert_eq!(layout(&tracing, "CanonicalRay"), of_rust!(DeviceRay, origin, t_min, direction, t_max));
+    assert_eq!(layout(&tracing, "Hit"), of_rust!(DeviceHit, t, u, v, primitive));
+    assert_eq!(layout(&tracing, "Answer"), of_rust!(DeviceAnswer, hit, cells, blocks, unused_0, unused_1));
+    let setup = of_rust!(OctreeSetup, records, payloads, blocks, grid, grid_bits, zero, unused_0, unused_1);
+    assert_eq!(layout(&tracing, "Setup"), setup);
+    assert_eq!(layout(&checks, "Setup"), of_rust!(MapSetup, first, zero, unused_0, unused_1));
 }
 
 /// A comment such as `// core/src/step.rs: Slab::exit and more` stands above every function and struct, but for those
 /// that only WGSL needs; what it names is defined there.
 #[test]
 fn twins_are_named_and_exist() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/wgsl");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let parts = root.join("src/shader/wgsl").read_dir().expect("the parts");
+    let parts = parts.map(|entry| entry.expect("a part").path());
     let mut named = 0;
-    for entry in folder.read_dir().expect("the parts") {
-        let path = entry.expect("a part").path();
+    for path in parts.chain([root.join("tests/device/camera.wgsl")]) {
         let part = path.file_stem().expect("a name").to_string_lossy().into_owned();
         let text = std::fs::read_to_string(&path).expect("a text");
         let lines: Vec<&str> = text.lines().collect();
         for at in 0..lines.len() {
             if let Some((file, name)) = twin(lines[at]) {
-                let source = std::fs::read_to_string(folder.join("../../..").join(file));
+                let source = std::fs::read_to_string(root.join("..").join(file));
                 let source = source.unwrap_or_else(|_| panic!("{part}.wgsl: there is no {file}"));
                 let lacks = name.split("::").find(|name| !defines(&source, name));
                 assert_eq!(lacks, None, "{part}.wgsl: {}", lines[at]);

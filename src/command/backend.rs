@@ -91,8 +91,9 @@ impl BackendArgs {
                     None | Some(Flavour::Exact) => leafwalk::gpu::Flavour::Exact,
                     Some(Flavour::Fast) => leafwalk::gpu::Flavour::Fast,
                 };
-                let pick = self.adapter.clone().map_or_else(leafwalk::gpu::Pick::from_environment, Into::into);
-                match leafwalk::gpu::GpuTracer::new(&octree, pick, flavour) {
+                let choice =
+                    self.adapter.clone().map_or_else(leafwalk::gpu::AdapterChoice::from_environment, Into::into);
+                match leafwalk::gpu::GpuTracer::new(&octree, choice, flavour) {
                     Ok(tracer) => Ok(Backend::Gpu(Box::new(tracer), octree)),
                     Err(error) if self.or_cpu => Ok(Backend::Cpu(CpuTracer::new(octree), Some(error.to_string()))),
                     Err(error) => Err(BackendError::Gpu(error).into()),
@@ -125,7 +126,15 @@ impl Backend {
                 report.add("backend", "backend", "gpu");
                 report.add("adapter", "adapter", tracer.adapter().to_string());
                 report.add("flavour", "flavour", tracer.flavour().name());
-                report.add("promise", "self-test", tracer.promise().to_string());
+                report.add("promise", "self-test", tracer.exactness().to_string());
+                if tracer.step_cost() > Builder::WALK_STEP_COST {
+                    let advice = format!(
+                        "its leaves suit CPUs: built with --step-cost {}, not {}, it is traced faster",
+                        Builder::WALK_STEP_COST,
+                        tracer.step_cost()
+                    );
+                    report.add("octree_advice", "octree", advice);
+                }
             }
         }
     }
@@ -179,4 +188,12 @@ impl fmt::Display for BackendError {
     }
 }
 
-impl core::error::Error for BackendError {}
+impl core::error::Error for BackendError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Lengths(source) => Some(source),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(source) => Some(source),
+        }
+    }
+}

@@ -38,13 +38,14 @@ pub(crate) fn run(_: &GpuArgs, context: &Context) -> Result<(), CommandError> {
 
 #[cfg(feature = "gpu")]
 mod listing {
-    use leafwalk::gpu::{Adapter, Flavour, Gpu, Pick};
+    use leafwalk::gpu::{Adapter, AdapterChoice, Flavour, Gpu, SelfTest};
     use serde_json::{Value, json};
 
     /// An adapter for machines and for people.
     pub(super) fn describe(adapter: &Adapter) -> (Value, String) {
-        let promises = Gpu::open(&Pick::Name(adapter.to_string())).and_then(|gpu| {
-            Ok([gpu.self_test(Flavour::Exact)?, gpu.self_test(Flavour::Fast)?].map(|test| test.promise().to_string()))
+        let promises = Gpu::open(&AdapterChoice::Name(adapter.to_string())).and_then(|gpu| {
+            let tests = [SelfTest::of(&gpu, Flavour::Exact)?, SelfTest::of(&gpu, Flavour::Fast)?];
+            Ok(tests.map(|test| test.exactness().to_string()))
         });
         let Adapter { kind, driver, binding_bytes, buffer_bytes, storage_buffers, has_timestamps, .. } = adapter;
         let kind = format!("{kind:?}").to_lowercase();

@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 
 use leafwalk::{Hit, Ray, Tracer, Work};
 use leafwalk_core::Walk;
-use leafwalk_gpu::{Flavour, Gpu, Promise};
+use leafwalk_gpu::testing::{Arithmetic, checks, self_test_of, unguarded_tracer};
+use leafwalk_gpu::{Exactness, Flavour, Gpu, GpuTracer, SelfTest};
 use leafwalk_testing::tally::scaled;
 use leafwalk_testing::{meshes, rays};
 
@@ -47,8 +48,8 @@ fn exact(gpu: &Gpu) {
         LazyLock::new(|| scenes::ALL.iter().zip(100..).map(|(scene, seed)| Expected::new(scene, seed)).collect());
     let mut rays_in_all = 0;
     for (scene, Expected { rays, hits: expected, work }) in scenes::ALL.iter().zip(&*EXPECTED) {
-        let tracer = gpu.tracer(&scene.octree, Flavour::Exact).expect("room for a small octree");
-        assert_eq!(tracer.promise(), Promise::Exact, "{}", tracer.self_test());
+        let tracer = GpuTracer::on(gpu, &scene.octree, Flavour::Exact).expect("room for a small octree");
+        assert_eq!(tracer.exactness(), Exactness::Exact, "{}", tracer.self_test());
         rays_in_all += rays.len();
         let found = hits(&tracer, rays);
         let share = expected.iter().filter(|hit| !hit.is_miss()).count() as f64 / rays.len() as f64;
@@ -82,10 +83,10 @@ fn exact(gpu: &Gpu) {
 }
 
 fn fast(gpu: &Gpu) {
-    let promise = gpu.self_test(Flavour::Fast).expect("a working device");
-    println!("{}: fast: {promise}", gpu.adapter());
+    let self_test = SelfTest::of(gpu, Flavour::Fast).expect("a working device");
+    println!("{}: fast: {self_test}", gpu.adapter());
     for (scene, seed) in scenes::ALL.iter().zip(200..) {
-        let tracer = gpu.tracer(&scene.octree, Flavour::Fast).expect("room for a small octree");
+        let tracer = GpuTracer::on(gpu, &scene.octree, Flavour::Fast).expect("room for a small octree");
         for (kind, rays) in [("hard", scenes::hard(scene, RAYS, seed)), ("random", scenes::chords(scene, RAYS, seed))] {
             let (expected, found) = (hits(&scene.octree, &rays), hits(&tracer, &rays));
             let others =
@@ -106,12 +107,14 @@ fn fast(gpu: &Gpu) {
 fn unguarded(gpu: &Gpu) {
     let scene = Scene::new("needles", meshes::shards(1500, 1e-3..4.0, 1e6, 12));
     let rays = scenes::hard(&scene, RAYS, 300);
-    let tracer = gpu.tracer(&scene.octree, Flavour::Unguarded).expect("room for a small octree");
+    let tracer = unguarded_tracer(gpu, &scene.octree).expect("room for a small octree");
     let count = differing(&hits(&tracer, &rays), &hits(&scene.octree, &rays));
-    let promise = gpu.self_test(Flavour::Unguarded).expect("a working device").promise();
-    println!("{}: without guards {count} hits differ; self-test: {promise}", gpu.adapter());
+    let self_test = self_test_of(gpu, &checks(Arithmetic::Unguarded)).expect("a working device");
+    assert_eq!(&self_test, tracer.self_test());
+    let exactness = self_test.exactness();
+    println!("{}: without guards {count} hits differ; self-test: {exactness}", gpu.adapter());
     // A driver that keeps to the text does not distinguish the mutant; then the self-test says so, too.
-    assert_eq!(count > 0, promise != Promise::Exact, "{count} hits differ, and the self-test says {promise}");
+    assert_eq!(count > 0, exactness != Exactness::Exact, "{count} hits differ, and the self-test says {exactness}");
 }
 
 /// A tracer's closest hits.

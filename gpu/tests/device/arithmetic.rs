@@ -1,8 +1,8 @@
 //! The tables and the arithmetic, as the device has them.
 
 use leafwalk_core::tables::{EXIT_FACE, SUB_FACE};
-use leafwalk_gpu::shader;
-use leafwalk_gpu::{Flavour, Gpu, Matter, Promise};
+use leafwalk_gpu::testing::{Arithmetic, checks, self_test_of, table_entries};
+use leafwalk_gpu::{Departure, Exactness, Flavour, Gpu, SelfTest};
 
 use crate::Test;
 
@@ -15,35 +15,35 @@ pub(crate) const TESTS: &[Test] = &[
 
 fn tables(gpu: &Gpu) {
     let expected = EXIT_FACE.as_flattened().iter().chain(SUB_FACE.as_flattened());
-    let entries = gpu.table_entries().expect("a working device");
+    let entries = table_entries(gpu).expect("a working device");
     assert_eq!(entries, expected.map(|entry| u32::from(*entry)).collect::<Vec<_>>());
 }
 
 fn exact(gpu: &Gpu) {
-    let report = gpu.self_test(Flavour::Exact).expect("a working device");
+    let report = SelfTest::of(gpu, Flavour::Exact).expect("a working device");
     println!("{}: {report}", gpu.adapter());
-    assert_eq!(report.promise(), Promise::Exact, "{report}");
+    assert_eq!(report.exactness(), Exactness::Exact, "{report}");
 }
 
 fn divides(gpu: &Gpu) {
     const QUOTIENT: &str = "return guard(a / b);";
-    let text = shader::checks(Flavour::Exact);
+    let text = checks(Arithmetic::Exact);
     assert!(text.contains(QUOTIENT));
     // WebGPU allows 2.5 units in the last place.
     for off in -3i32..=3 {
         let spoiled = format!("return guard(select(bitcast<f32>(bitcast<i32>(a / b) + {off}), 0.0, a == 0.0));");
-        let report = gpu.self_test_of(&text.replace(QUOTIENT, &spoiled)).expect("a working device");
-        assert_eq!(report.promise(), Promise::Exact, "{off} units off: {report}");
+        let report = self_test_of(gpu, &text.replace(QUOTIENT, &spoiled)).expect("a working device");
+        assert_eq!(report.exactness(), Exactness::Exact, "{off} units off: {report}");
     }
 }
 
 fn distinguishes(gpu: &Gpu) {
-    let [exact, unguarded] =
-        [Flavour::Exact, Flavour::Unguarded].map(|flavour| gpu.self_test(flavour).expect("a working device"));
-    for (exact, unguarded) in exact.findings.iter().zip(&unguarded.findings) {
+    let [exact, unguarded] = [Arithmetic::Exact, Arithmetic::Unguarded]
+        .map(|arithmetic| self_test_of(gpu, &checks(arithmetic)).expect("a working device"));
+    for (exact, unguarded) in exact.counts.iter().zip(&unguarded.counts) {
         // Left alone, a driver does to the text without guards what it does to a plain expression.
-        if matches!(exact.matter, Matter::Contraction | Matter::Reassociation) {
-            assert_eq!((exact.plain, exact.flavoured), (unguarded.flavoured, 0), "{:?}", exact.matter);
+        if matches!(exact.departure, Departure::Contraction | Departure::Reassociation) {
+            assert_eq!((exact.plain, exact.flavoured), (unguarded.flavoured, 0), "{:?}", exact.departure);
         }
     }
 }

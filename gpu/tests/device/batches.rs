@@ -1,7 +1,7 @@
 //! Batches: none, one, more than a chunk; invalid rays; slices of unequal length.
 
 use leafwalk::{Hit, LengthMismatch, Ray, Tracer, Work};
-use leafwalk_gpu::{Flavour, Gpu, GpuError};
+use leafwalk_gpu::{DeviceError, Flavour, Gpu, GpuError, GpuTracer, testing};
 use leafwalk_testing::meshes;
 
 use crate::Test;
@@ -18,7 +18,7 @@ pub(crate) const TESTS: &[Test] = &[
 
 fn sizes(gpu: &Gpu) {
     let scene = Scene::new("soup", meshes::soup(300, 1));
-    let tracer = gpu.tracer(&scene.octree, Flavour::Exact).expect("room");
+    let tracer = GpuTracer::on(gpu, &scene.octree, Flavour::Exact).expect("room");
     let rays = scenes::chords(&scene, 9000, 2);
     for size in [0, 1, 63, 64, 65, 4097, 9000, 3] {
         let rays = &rays[..size];
@@ -31,7 +31,7 @@ fn sizes(gpu: &Gpu) {
 
 fn chunks(gpu: &Gpu) {
     let scene = Scene::new("sphere", meshes::icosphere(1));
-    let tracer = gpu.tracer(&scene.octree, Flavour::Exact).expect("room");
+    let tracer = GpuTracer::on(gpu, &scene.octree, Flavour::Exact).expect("room");
     // Three chunks of 2^20 rays and a bit: both slots are used again. The same few rays over and over, shifted.
     let some = scenes::chords(&scene, 4099, 3);
     let rays: Vec<Ray> = some.iter().copied().cycle().take(3 * (1 << 20) + 5).collect();
@@ -43,7 +43,7 @@ fn chunks(gpu: &Gpu) {
 
 fn invalid(gpu: &Gpu) {
     let scene = Scene::new("sphere", meshes::icosphere(1));
-    let tracer = gpu.tracer(&scene.octree, Flavour::Exact).expect("room");
+    let tracer = GpuTracer::on(gpu, &scene.octree, Flavour::Exact).expect("room");
     let (inf, nan) = (f32::INFINITY, f32::NAN);
     let rays = [
         Ray::new([0.0; 3], [0.0; 3]),
@@ -61,26 +61,29 @@ fn invalid(gpu: &Gpu) {
 
 fn nothing(gpu: &Gpu) {
     let scene = Scene::new("nothing", leafwalk::Mesh::new(vec![], vec![]));
-    let tracer = gpu.tracer(&scene.octree, Flavour::Exact).expect("room");
+    let tracer = GpuTracer::on(gpu, &scene.octree, Flavour::Exact).expect("room");
     let rays = [Ray::new([0.5; 3], [1.0, 0.0, 0.0])];
     assert_eq!(hits(&tracer, &rays), [Hit::MISS]);
 }
 
 fn lost(gpu: &Gpu) {
     let scene = Scene::new("soup", meshes::soup(300, 1));
-    let tracer = gpu.tracer(&scene.octree, Flavour::Exact).expect("room");
+    let tracer = GpuTracer::on(gpu, &scene.octree, Flavour::Exact).expect("room");
     let rays = scenes::chords(&scene, 100, 2);
     let on_device = tracer.upload(&rays).expect("room");
     let submitted = tracer.submit(&on_device).expect("room");
-    gpu.lose();
+    testing::lose(gpu);
     for _ in 0..2 {
         let errors = [
             tracer.closest_hits(&rays, &mut [Hit::MISS; 100]).err(),
             tracer.upload(&rays).err(),
             tracer.submit(&on_device).and_then(|hits| hits.read()).err(),
             submitted.read().err(),
-            gpu.tracer(&scene.octree, Flavour::Exact).err(),
+            GpuTracer::on(gpu, &scene.octree, Flavour::Exact).err(),
         ];
-        assert!(errors.iter().all(|error| matches!(error, Some(GpuError::DeviceLost { .. }))), "{errors:?}");
+        assert!(
+            errors.iter().all(|error| matches!(error, Some(GpuError::Device(DeviceError::Lost { .. })))),
+            "{errors:?}"
+        );
     }
 }

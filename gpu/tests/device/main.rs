@@ -4,13 +4,15 @@
 mod answers;
 mod arithmetic;
 mod batches;
+mod generating;
+mod pinhole;
 mod scenes;
 mod splitting;
 mod staying;
 
 use std::process::ExitCode;
 
-use leafwalk_gpu::{Gpu, Pick, adapters};
+use leafwalk_gpu::{AdapterChoice, Gpu, adapters};
 use libtest_mimic::{Arguments, Failed, Trial};
 
 /// A test, by its name.
@@ -21,22 +23,23 @@ fn main() -> ExitCode {
     let arguments = Arguments { test_threads: Some(1), ..Arguments::from_args() };
     let is_required = std::env::var_os("LEAFWALK_REQUIRE_GPU").is_some();
     let tests: Vec<Test> =
-        [answers::TESTS, arithmetic::TESTS, batches::TESTS, splitting::TESTS, staying::TESTS].concat();
-    let picks = picks();
+        [answers::TESTS, arithmetic::TESTS, batches::TESTS, generating::TESTS, splitting::TESTS, staying::TESTS]
+            .concat();
+    let choices = choices();
     let mut trials = Vec::new();
     for (name, test) in tests {
-        for pick in &picks {
-            let pick = pick.clone();
-            trials.push(Trial::test(format!("{name}, on {}", name_of(&pick)), move || {
-                let gpu = Gpu::open(&pick).map_err(|error| error.to_string())?;
+        for choice in &choices {
+            let choice = choice.clone();
+            trials.push(Trial::test(format!("{name}, on {}", name_of(&choice)), move || {
+                let gpu = Gpu::open(&choice).map_err(|error| error.to_string())?;
                 test(&gpu);
                 Ok(())
             }));
         }
-        if picks.is_empty() && is_required {
+        if choices.is_empty() && is_required {
             trials
                 .push(Trial::test(name, || Err(Failed::from("there is no adapter, and LEAFWALK_REQUIRE_GPU is set"))));
-        } else if picks.is_empty() {
+        } else if choices.is_empty() {
             let reason = format!("{name}: no adapter (Debian has some in software: apt install mesa-vulkan-drivers)");
             trials.push(Trial::test(reason, || Ok(())).with_ignored_flag(true));
         }
@@ -44,17 +47,22 @@ fn main() -> ExitCode {
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
-fn name_of(pick: &Pick) -> String {
-    match pick {
-        Pick::Name(name) => name.clone(),
-        pick => pick.to_string(),
+fn name_of(choice: &AdapterChoice) -> String {
+    match choice {
+        AdapterChoice::Name(name) => name.clone(),
+        choice => choice.to_string(),
     }
 }
 
+/// Another device on the same adapter.
+fn open_again(gpu: &Gpu) -> Gpu {
+    Gpu::open(&AdapterChoice::Name(gpu.adapter().to_string())).expect("an adapter that was opened before")
+}
+
 /// What to open: every adapter by its full name, or what the environment asks for.
-fn picks() -> Vec<Pick> {
-    if std::env::var_os(Pick::VARIABLE).is_some() {
-        return vec![Pick::from_environment()];
+fn choices() -> Vec<AdapterChoice> {
+    if std::env::var_os(AdapterChoice::VARIABLE).is_some() {
+        return vec![AdapterChoice::from_environment()];
     }
-    adapters().into_iter().map(|adapter| Pick::Name(adapter.to_string())).collect()
+    adapters().into_iter().map(|adapter| AdapterChoice::Name(adapter.to_string())).collect()
 }

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use leafwalk::wire::{self, PREAMBLE_WORDS, TABLE_ROW};
 use leafwalk::{Builder, Octree};
 use leafwalk_core::layout::Section;
+use leafwalk_gpu::testing::split_tracer;
 use leafwalk_gpu::{Flavour, Gpu, GpuError, GpuTracer};
 use leafwalk_testing::meshes;
 
@@ -28,7 +29,7 @@ fn small(gpu: &Gpu) {
     // Sections then begin and end anywhere in a binding.
     for limit in [bytes.next_power_of_two() / 2, bytes.next_power_of_two() / 4] {
         assert!(limit < bytes);
-        let tracer = GpuTracer::split(gpu, &scene.octree, Flavour::Exact, limit).expect("six are enough");
+        let tracer = split_tracer(gpu, &scene.octree, limit).expect("six are enough");
         assert_eq!(differing(&hits(&tracer, &rays), &expected), 0, "{bytes} bytes in bindings of {limit}");
     }
 }
@@ -40,7 +41,7 @@ fn large(gpu: &Gpu) {
     let scene = LARGE.get_or_init(|| Scene::built_by(&builder, "large", meshes::shards(600_000, 0.01..0.05, 10.0, 7)));
     let bytes = size_of_val(scene.octree.as_words());
     assert!(bytes > 128 << 20, "only {bytes} bytes");
-    let tracer = gpu.tracer(&scene.octree, Flavour::Exact).expect("six are enough");
+    let tracer = GpuTracer::on(gpu, &scene.octree, Flavour::Exact).expect("six are enough");
     let mut rays = scenes::hard(scene, 3000, 1);
     rays.extend(scenes::chords(scene, 3000, 2));
     assert_eq!(differing(&hits(&tracer, &rays), &hits(&scene.octree, &rays)), 0);
@@ -49,8 +50,8 @@ fn large(gpu: &Gpu) {
 fn refused(gpu: &Gpu) {
     let scene = Scene::new("soup", meshes::soup(1500, 4));
     let bytes = size_of_val(scene.octree.as_words()) as u64;
-    let error = GpuTracer::split(gpu, &scene.octree, Flavour::Exact, 1024).map(|_| ());
-    assert_eq!(error, Err(GpuError::StructureTooLarge { bytes, most: 6 * 1024 }));
+    let error = split_tracer(gpu, &scene.octree, 1024).map(|_| ());
+    assert_eq!(error, Err(GpuError::OctreeTooLarge { bytes, most: 6 * 1024 }));
 }
 
 fn ragged(gpu: &Gpu) {
@@ -66,11 +67,11 @@ fn ragged(gpu: &Gpu) {
     words[3] = wire::checksum(&words);
     let cut = Octree::from_words(words).expect("a valid file");
     let rays = scenes::hard(&scene, 2000, 1);
-    let tracer = gpu.tracer(&cut, Flavour::Exact).expect("room");
+    let tracer = GpuTracer::on(gpu, &cut, Flavour::Exact).expect("room");
     assert_eq!(differing(&hits(&tracer, &rays), &hits(&scene.octree, &rays)), 0);
 }
 
 fn compact(gpu: &Gpu) {
     let scene = Scene::built_by(&Builder::new().compact(), "compact soup", meshes::soup(300, 1));
-    assert_eq!(gpu.tracer(&scene.octree, Flavour::Exact).map(|_| ()), Err(GpuError::CompactOctree));
+    assert_eq!(GpuTracer::on(gpu, &scene.octree, Flavour::Exact).map(|_| ()), Err(GpuError::CompactOctree));
 }

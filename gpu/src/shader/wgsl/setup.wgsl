@@ -1,0 +1,15 @@
+// Where the octree's sections start.
+
+// gpu/src/walk/octree.rs: OctreeSetup
+struct Setup {
+    records: u32,
+    payloads: u32,
+    blocks: u32,
+    grid: u32,
+    grid_bits: u32,
+    zero: u32,
+    unused_0: u32,
+    unused_1: u32,
+}
+
+@group(0) @binding(0) var<uniform> setup: Setup;

@@ -1,0 +1,200 @@
+// The walk from leaf to leaf, as core/src/trace.rs makes it:
+//
+//     cell = the leaf that holds the point where the ray enters the root cube
+//     repeat:
+//         if the leaf lists anything and the ray meets its hull:
+//             test the blocks of triangles whose boxes the ray meets, and keep the nearest hit
+//         find the face by which the ray leaves the cell
+//         end if the nearest hit lies before that face by the padding, or no leaf lies behind the face
+//         cell = the leaf behind the face: as large, larger, or of four smaller ones the one that the ray enters
+//
+// It departs from that walk in order, not in arithmetic:
+// 1. Empty leaves have a loop of their own: the lanes of a subgroup wait for each other at leaves that list something, not
+//    at every cell.
+// 2. Slabs and shear are made anew in each leaf, which is cheaper than to keep them in registers from leaf to leaf.
+// 3. A block's triangles are sifted four at a time, and its boxes eight at a time in two halves of a word.
+
+// core/src/nearest.rs: Nearest
+struct Nearest {
+    t_min: f32,
+    t: f32,
+    u: f32,
+    v: f32,
+    primitive: u32,
+}
+
+// core/src/nearest.rs: Nearest::is_hit
+fn is_hit(nearest: Nearest) -> bool {
+    return nearest.primitive != NONE;
+}
+
+// core/src/nearest.rs: Nearest::offer
+fn offer(nearest: ptr<function, Nearest>, found: Candidate, primitive: u32) {
+    let is_tie_won = found.t == (*nearest).t && primitive < (*nearest).primitive && is_hit(*nearest);
+    if found.t > (*nearest).t_min && (found.t < (*nearest).t || is_tie_won) {
+        *nearest = Nearest((*nearest).t_min, found.t, found.u, found.v, primitive);
+    }
+}
+
+// core/src/trace.rs: start; `is_met` is false where that returns None.
+struct Start {
+    point: vec3<f32>,
+    is_met: bool,
+}
+
+// core/src/trace.rs: start
+fn start_of(line: Line, ray: CanonicalRay) -> Start {
+    let edge = f32(LATTICE);
+    let margin = PADDING * edge;
+    let a = mul3(sub3(vec3<f32>(-margin), line.origin), line.inverse);
+    let b = mul3(sub3(vec3<f32>(edge + margin), line.origin), line.inverse);
+    let near = min(a, b);
+    let far = max(a, b);
+    let first = max(max(sub(ray.t_min, START_MARGIN), near.x), max(near.y, near.z));
+    let last = min(min(ray.t_max, far.x), min(far.y, far.z));
+    let point = add3(line.origin, mul3(vec3<f32>(first), line.direction));
+    let is_met = first <= last && ray.t_min < ray.t_max;
+    return Start(clamp(point, vec3<f32>(0.0), vec3<f32>(edge)), is_met);
+}
+
+// core/src/trace.rs: Walk::locate
+fn locate(point: vec3<f32>, line: Line) -> Crossing {
+    let whole = min(vec3<u32>(point), vec3<u32>(LATTICE - 1u));
+    let backs_off = (upward(line) == vec3<u32>(0u)) & (vec3<f32>(whole) == point) & (whole > vec3<u32>(0u));
+    let corner = whole - select(vec3<u32>(0u), ONE_EACH, backs_off);
+    let entry = corner >> vec3<u32>(MAX_LEVEL - setup.grid_bits);
+    let at = entry.x | (entry.y << setup.grid_bits) | (entry.z << (2u * setup.grid_bits));
+    var record = word((setup.grid << 2u) + at);
+    var head = quad(setup.records + record * RECORD_QUADS);
+    var size = LATTICE >> level(head.x);
+    // Each turn goes down a level.
+    while is_inner(head.x) {
+        size >>= 1u;
+        let upper = select(vec3<u32>(0u), ONE_EACH, (corner & vec3<u32>(size)) != vec3<u32>(0u));
+        record = head.y + (upper.x | (upper.y << 1u) | (upper.z << 2u));
+        head = quad(setup.records + record * RECORD_QUADS);
+    }
+    return Crossing(record, Cell(corner & vec3<u32>(~(size - 1u)), size));
+}
+
+// core/src/layout/payload.rs: Payload::hull as the ray meets it, lower sides where `take_lower`
+fn hull_side(hull: vec4<u32>, take_lower: vec3<bool>) -> vec3<f32> {
+    let lower = vec3<u32>(hull.x & 0xffffu, hull.x >> 16u, hull.y & 0xffffu);
+    let upper = vec3<u32>(hull.y >> 16u, hull.z & 0xffffu, hull.z >> 16u);
+    return vec3<f32>(select(upper, lower, take_lower));
+}
+
+// core/src/trace.rs: Search::blocks_met; bit b: block b's box is met
+fn blocks_met(payload: u32, slabs: Slabs, neg: u32, first: f32, last: f32) -> u32 {
+    var near_even = vec4<f32>(first);
+    var near_odd = vec4<f32>(first);
+    var far_even = vec4<f32>(last);
+    var far_odd = vec4<f32>(last);
+    for (var axis = 0u; axis < 3u; axis++) {
+        let is_down = (neg >> axis) & 1u;
+        let near = quad(payload + 2u * axis + is_down);
+        let far = quad(payload + 2u * axis + (is_down ^ 1u));
+        near_even = clip_near(near_even, vec4<f32>(near & vec4<u32>(0xffffu)), slabs, axis);
+        near_odd = clip_near(near_odd, vec4<f32>(near >> vec4<u32>(16u)), slabs, axis);
+        far_even = clip_far(far_even, vec4<f32>(far & vec4<u32>(0xffffu)), slabs, axis);
+        far_odd = clip_far(far_odd, vec4<f32>(far >> vec4<u32>(16u)), slabs, axis);
+    }
+    let even = select(vec4<u32>(0u), vec4<u32>(1u, 4u, 16u, 64u), near_even <= far_even);
+    let odd = select(vec4<u32>(0u), vec4<u32>(2u, 8u, 32u, 128u), near_odd <= far_odd);
+    let met = even | odd;
+    return met.x | met.y | met.z | met.w;
+}
+
+// core/src/trace.rs: Search::test_block
+fn test_block(block: u32, shear: Shear, nearest: ptr<function, Nearest>) {
+    // Few blocks hold a candidate, so all lanes are sifted before any is finished.
+    var candidates = candidates4(shear, block, 0u) | (candidates4(shear, block, 1u) << 4u);
+    while candidates != 0u {
+        let lane = firstTrailingBit(candidates);
+        candidates &= candidates - 1u;
+        let found = finish(shear, block, lane);
+        if found.is_accepted {
+            let primitives = setup.blocks + block * BLOCK_QUADS + PRIMITIVES_QUAD;
+            offer(nearest, found, word((primitives << 2u) + lane));
+        }
+    }
+}
+
+// core/src/trace.rs: Walk::leaf, which returns the number of blocks that it tested.
+fn leaf(first: u32, line: Line, slope: vec3<f32>, nearest: ptr<function, Nearest>) -> u32 {
+    var number = first;
+    var blocks = 0u;
+    let slabs = slabs_of(line.origin, line.inverse);
+    let is_up = upward(line) == ONE_EACH;
+    let hull = quad(setup.payloads + number * PAYLOAD_QUADS + HULL_QUAD);
+    if !meets(slabs, hull_side(hull, is_up), hull_side(hull, !is_up), (*nearest).t_min, (*nearest).t) {
+        return blocks;
+    }
+    let shear = shear_of(line, slope);
+    while number != NONE {
+        let payload = setup.payloads + number * PAYLOAD_QUADS;
+        let list = quad(payload + LIST_QUAD);
+        var met = blocks_met(payload, slabs, line.neg, (*nearest).t_min, (*nearest).t);
+        blocks += countOneBits(met);
+        while met != 0u {
+            let block = firstTrailingBit(met);
+            met &= met - 1u;
+            test_block(list.x + block, shear, nearest);
+        }
+        number = list.y;
+    }
+    return blocks;
+}
+
+// core/src/trace.rs: Search and its Work. Boxes are not guarded, so that `blocks` is about the CPU's.
+struct Search {
+    nearest: Nearest,
+    cells: u32,
+    blocks: u32,
+}
+
+// Whether the walk ends at the first leaf that gives a hit, whichever that is.
+override ANY_HIT: bool = false;
+
+// core/src/trace.rs: Walk::walk, from the stop test on; false where the walk ends.
+fn advance(line: Line, at: ptr<function, Crossing>, head: vec4<u32>, t: f32) -> bool {
+    let rest = quad(setup.records + (*at).record * RECORD_QUADS + 1u);
+    let exit = exit_of(line, (*at).cell);
+    let is_done = mul(t, exit.speed) < sub(exit.distance, PADDING * f32(LATTICE));
+    if is_done || link_kind(head.x, exit.face) == LINK_NONE {
+        return false;
+    }
+    *at = cross_face(line, (*at).cell, exit, head.x, neighbour(head, rest, exit.face));
+    return true;
+}
+
+// core/src/trace.rs: Walk::walk. Both loops end: the Morton key of the cell's far corner grows.
+fn walk(ray: CanonicalRay) -> Search {
+    var nearest = Nearest(ray.t_min, ray.t_max, 0.0, 0.0, NONE);
+    let line = line_of(ray);
+    let start = start_of(line, ray);
+    if !start.is_met {
+        return Search(nearest, 0u, 0u);
+    }
+    let slope = slope_of(ray.direction);
+    var at = locate(start.point, line);
+    var head = quad(setup.records + at.record * RECORD_QUADS);
+    var cells = 1u;
+    var blocks = 0u;
+    loop {
+        while t_count(head.x) == 0u && advance(line, &at, head, nearest.t) {
+            head = quad(setup.records + at.record * RECORD_QUADS);
+            cells += 1u;
+        }
+        if t_count(head.x) == 0u {
+            break;
+        }
+        blocks += leaf(head.y, line, slope, &nearest);
+        if (ANY_HIT && is_hit(nearest)) || !advance(line, &at, head, nearest.t) {
+            break;
+        }
+        head = quad(setup.records + at.record * RECORD_QUADS);
+        cells += 1u;
+    }
+    return Search(nearest, cells, blocks);
+}
