@@ -13,7 +13,8 @@ use crate::testing::{Policy, Standard};
 use crate::triangle::{Candidate, Shear, Sheared};
 use crate::unroll;
 
-/// What a walk did, for charts and heat maps.
+/// The work of one ray's walk through an octree, for charts and heat maps. It belongs to the walk: a tracer that goes
+/// another way does other work for the same answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Leaves visited, empty ones included.
@@ -29,14 +30,14 @@ impl<W: AsRef<[u32]>> Octree<W> {
         Walk::new(&self.parts()).closest_hit(ray)
     }
 
+    /// The closest hit as by [`Octree::closest_hit`], and the work of the walk from leaf to leaf that found it.
+    pub fn closest_hit_with_work(&self, ray: &Ray) -> (Option<Hit>, Work) {
+        Walk::new(&self.parts()).closest_hit_with_work(ray)
+    }
+
     /// Whether anything is hit with `t_min < t < t_max`.
     pub fn occluded(&self, ray: &Ray) -> bool {
         Walk::new(&self.parts()).occluded(ray)
-    }
-
-    /// The closest hit, and what the walk from leaf to leaf did to find it.
-    pub fn closest_hit_with_work(&self, ray: &Ray) -> (Option<Hit>, Work) {
-        Walk::new(&self.parts()).closest_hit_with_work(ray)
     }
 }
 
@@ -72,7 +73,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         self.closest_hit_with_work(ray).0
     }
 
-    /// The closest hit, and what it took.
+    /// See [`Octree::closest_hit_with_work`].
     pub fn closest_hit_with_work(&self, ray: &Ray) -> (Option<Hit>, Work) {
         let Some(canonical) = self.parts.frame.canonical_with::<P>(ray) else { return Default::default() };
         let search = self.walk::<false>(&canonical, &mut |_, _| {});

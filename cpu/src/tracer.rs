@@ -3,7 +3,7 @@
 use core::cell::RefCell;
 use core::fmt;
 
-use leafwalk_core::{Blocks, Frame, Hit, LengthMismatch, Octree, Ray, Tracer, Work};
+use leafwalk_core::{Blocks, Frame, Hit, LengthMismatch, Octree, Ray, Tracer};
 use rayon::prelude::*;
 
 use crate::lanes::Registers;
@@ -82,19 +82,6 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
             SCRATCH.with_borrow_mut(|scratch| {
                 self.registers.run(Batch::<B, Q> { bvh, tiling, way, scratch, rays, answers });
             });
-        });
-        Ok(())
-    }
-
-    /// Closest hits, each with the work it took, for heat maps and reports.
-    ///
-    /// # Errors
-    /// When the slices differ in length.
-    pub fn closest_hits_with_work(&self, rays: &[Ray], answers: &mut [(Hit, Work)]) -> Result<(), LengthMismatch> {
-        LengthMismatch::check(rays.len(), answers.len())?;
-        rays.par_iter().zip(answers).for_each(|(ray, answer)| {
-            let (hit, work) = self.octree.closest_hit_with_work(ray);
-            *answer = (hit.into(), work);
         });
         Ok(())
     }

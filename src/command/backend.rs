@@ -3,11 +3,10 @@
 use core::fmt;
 
 use clap::{Args, ValueEnum};
-use leafwalk::{Builder, CpuTracer, Hit, LengthMismatch, Octree, Ray, Tracer, Work};
+use leafwalk::{Builder, CpuTracer, Hit, LengthMismatch, Octree, Ray, Tracer};
 
 use super::error::CommandError;
 use super::report::Report;
-use crate::picture::meter::Worked;
 
 /// Where and how rays are traced.
 #[derive(Args, Debug)]
@@ -164,16 +163,6 @@ impl Tracer for Backend {
             Self::Cpu(tracer, _) => tracer.occlusions(rays, occluded).map_err(BackendError::Lengths),
             #[cfg(feature = "gpu")]
             Self::Gpu(tracer, _) => tracer.occlusions(rays, occluded).map_err(BackendError::Gpu),
-        }
-    }
-}
-
-impl Worked for Backend {
-    fn closest_hits_with_work(&self, rays: &[Ray], answers: &mut [(Hit, Work)]) -> Result<(), BackendError> {
-        match self {
-            Self::Cpu(tracer, _) => tracer.closest_hits_with_work(rays, answers).map_err(BackendError::Lengths),
-            #[cfg(feature = "gpu")]
-            Self::Gpu(tracer, _) => tracer.closest_hits_with_work(rays, answers).map_err(BackendError::Gpu),
         }
     }
 }

@@ -3,17 +3,18 @@
 use std::path::Path;
 use std::time::Instant;
 
-use leafwalk::{Builder, CpuTracer, Ray};
-use rayon::prelude::*;
+use leafwalk::{Builder, CpuTracer};
 
 use super::context::Context;
 use super::error::CommandError;
-use super::render::{add_picture, add_primary, add_rays, add_seconds, progress, save};
+use super::render::{add_picture, add_primary, add_rays, add_seconds, add_walked, progress, save};
 use super::report::Report;
 use crate::camera::{Camera, Size};
 use crate::picture::meter::Meter;
+use crate::picture::path;
+use crate::picture::primary::PrimaryRays;
 use crate::picture::surface::Surfaces;
-use crate::picture::{path, primary_ray};
+use crate::picture::walk::Walked;
 use crate::scene::{Detail, Scene};
 
 const OUTPUT: &str = "leafwalk.png";
@@ -36,17 +37,15 @@ pub(crate) fn run(context: &Context) -> Result<(), CommandError> {
     let render_time = start.elapsed();
     save(&image, output, context)?;
 
-    // The work of a walk is counted on rays of their own, so that it does not slow the picture down.
-    let mut primary = Meter::new(&tracer);
-    let middles = (0..camera.size().pixels()).into_par_iter().map(|pixel| primary_ray(&camera, pixel, [0.5; 2]));
-    primary.primary_hits(&middles.collect::<Vec<Ray>>())?;
+    let walked = Walked::sample(tracer.octree(), &PrimaryRays::jittered(&camera));
 
     let mut report = Report::new();
     report.add_octree(tracer.octree());
     add_seconds(&mut report, "build_seconds", "build time", build_time);
     add_seconds(&mut report, "render_seconds", "render time", render_time);
-    add_rays(&mut report, &meter.traced);
-    add_primary(&mut report, &primary.primary);
+    add_rays(&mut report, "speed", &meter.traced);
+    add_primary(&mut report, &meter.primary);
+    add_walked(&mut report, &walked);
     add_picture(&mut report, output);
     context.report(&report)
 }

@@ -5,6 +5,7 @@ use core::time::Duration;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use leafwalk::Octree;
 
 use super::backend::{Backend, BackendArgs, BackendError};
 use super::context::Context;
@@ -15,8 +16,10 @@ use crate::camera::{Camera, Size, View};
 use crate::picture::drawing::Drawing;
 use crate::picture::false_colour::Scale;
 use crate::picture::meter::{Meter, Primary, Traced};
+use crate::picture::primary::PrimaryRays;
 use crate::picture::surface::Surfaces;
 use crate::picture::vector::Vector;
+use crate::picture::walk::Walked;
 use crate::picture::{Image, PictureError};
 use crate::scene::Material;
 
@@ -83,7 +86,8 @@ enum Shade {
     Depth,
     /// A colour for each primitive.
     Primitive,
-    /// How many cells each ray visits, none black and the most light yellow.
+    /// How many cells each ray visits, none black and the most light yellow. Whatever the backend, they are counted by
+    /// a walk on the CPU, which is slower.
     Cells,
 }
 
@@ -119,16 +123,24 @@ pub(crate) fn run(args: &RenderArgs, context: &Context) -> Result<(), CommandErr
 
     let tracer = args.backend.open(octree)?;
     let mut meter = Meter::new(&tracer);
-    let (image, scale) = args.draw(&mut meter, &surfaces, &camera, context)?;
+    let (image, scale) = args.draw(&mut meter, tracer.octree(), &surfaces, &camera, context)?;
     save(&image, &args.output, context)?;
+    let (speed, walked) = match args.shade {
+        Shade::Cells => ("speed of the walk", meter.walked),
+        Shade::Lit => ("speed", Walked::sample(tracer.octree(), &PrimaryRays::jittered(&camera))),
+        Shade::Normal | Shade::Depth | Shade::Primitive => {
+            ("speed", Walked::sample(tracer.octree(), &PrimaryRays::through_middles(&camera)))
+        }
+    };
 
     let mut report = Report::new();
     report.add_octree(tracer.octree());
     if let Some(built) = built {
         add_seconds(&mut report, "build_seconds", "build time", built.time);
     }
-    add_rays(&mut report, &meter.traced);
+    add_rays(&mut report, speed, &meter.traced);
     add_primary(&mut report, &meter.primary);
+    add_walked(&mut report, &walked);
     if let Some(scale) = scale {
         report.add_as("scale_lowest", "scale, lowest", scale.lowest, scale.lowest.to_string());
         report.add_as("scale_highest", "scale, highest", scale.highest, scale.highest.to_string());
@@ -153,6 +165,7 @@ impl RenderArgs {
     fn draw(
         &self,
         meter: &mut Meter<'_, Backend>,
+        octree: &Octree<Vec<u32>>,
         surfaces: &Surfaces,
         camera: &Camera,
         context: &Context,
@@ -163,7 +176,7 @@ impl RenderArgs {
             Shade::Normal => Ok((drawing.normals()?, None)),
             Shade::Primitive => Ok((drawing.primitives()?, None)),
             Shade::Depth => drawing.depths(),
-            Shade::Cells => drawing.cells(),
+            Shade::Cells => drawing.cells(octree),
         }
     }
 }
@@ -187,10 +200,11 @@ pub(super) fn add_seconds(report: &mut Report, name: &'static str, label: &'stat
     report.add_as(name, label, seconds, format!("{seconds:.3} s"));
 }
 
-pub(super) fn add_rays(report: &mut Report, traced: &Traced) {
-    let speed = traced.rays as f64 / traced.seconds.max(SHORTEST) / 1e6;
+/// All rays of a picture and how fast they were traced; `speed` says whose speed it is.
+pub(super) fn add_rays(report: &mut Report, speed: &'static str, traced: &Traced) {
+    let mrays_per_s = traced.rays as f64 / traced.seconds.max(SHORTEST) / 1e6;
     report.add("rays", "rays", traced.rays);
-    report.add_as("mrays_per_s", "speed", speed, format!("{speed:.3} Mrays/s"));
+    report.add_as("mrays_per_s", speed, mrays_per_s, format!("{mrays_per_s:.3} Mrays/s"));
 }
 
 /// A time in seconds to divide by where the clock saw none pass.
@@ -199,10 +213,15 @@ const SHORTEST: f64 = 1e-9;
 pub(super) fn add_primary(report: &mut Report, primary: &Primary) {
     report.add("primary_rays", "primary rays", primary.rays);
     report.add("primary_hits", "of which hit", primary.hits);
-    let each = |count: u64| count as f64 / primary.rays.max(1) as f64;
-    let (cells, blocks) = (each(primary.cells), each(primary.blocks));
-    report.add_as("cells_per_ray", "cells a primary ray", cells, format!("{cells:.2}"));
-    report.add_as("blocks_per_ray", "block tests a primary ray", blocks, format!("{blocks:.2}"));
+}
+
+/// The work of the walk, which is not that of the tracer whose speed is reported.
+pub(super) fn add_walked(report: &mut Report, walked: &Walked) {
+    let each = |count: u64| count as f64 / walked.rays.max(1) as f64;
+    let (cells, blocks) = (each(walked.cells), each(walked.blocks));
+    report.add("walked_rays", "walk: primary rays counted", walked.rays);
+    report.add_as("cells_per_ray", "walk: cells a ray", cells, format!("{cells:.2}"));
+    report.add_as("blocks_per_ray", "walk: block tests a ray", blocks, format!("{blocks:.2}"));
 }
 
 pub(super) fn add_picture(report: &mut Report, output: &Path) {

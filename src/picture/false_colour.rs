@@ -1,15 +1,14 @@
 //! Pictures whose colours are data: one primary ray a pixel.
 
-use leafwalk::{Hit, Ray, Work};
+use leafwalk::{Hit, Octree, Ray, Tracer};
 use rayon::prelude::*;
 
 use super::drawing::Drawing;
-use super::meter::Worked;
+use super::meter::Meter;
+use super::primary::PrimaryRays;
 use super::vector::{Vector, mix};
-use super::{Image, PictureError, batches, primary_ray};
-
-/// One answer of a batch.
-type Answer = (Hit, Work);
+use super::{Image, PictureError};
+use crate::camera::Size;
 
 /// The smallest and the largest value of a picture's scale.
 #[derive(Clone, Copy, Debug)]
@@ -18,70 +17,81 @@ pub(crate) struct Scale {
     pub(crate) highest: f32,
 }
 
-impl<T: Worked> Drawing<'_, '_, T> {
+impl<'m, T: Tracer> Drawing<'_, 'm, T> {
     /// The unit normal, on the side that is seen: x, y and z as red, green and blue, -1 dark and 1 bright.
     pub(crate) fn normals(self) -> Result<Image, PictureError<T::Error>> {
         let (size, surfaces) = (self.camera.size(), self.surfaces);
-        let colour = |ray: &Ray, (hit, _): &Answer| {
+        let colour = |ray: &Ray, hit: &Hit| {
             let normal = surfaces.at(hit, ray.direction).map(|surface| surface.normal);
             normal.map_or(BACKGROUND, |normal| normal.map(|c| to_byte(0.5 + 0.5 * c)))
         };
-        Ok(Image { size, pixels: self.each(colour)? })
+        Ok(Image { size, pixels: self.each(Meter::primary_hits, colour)? })
     }
 
     /// A colour of its own for each primitive.
     pub(crate) fn primitives(self) -> Result<Image, PictureError<T::Error>> {
         let size = self.camera.size();
-        let colour =
-            |_: &Ray, (hit, _): &Answer| if hit.is_miss() { BACKGROUND } else { primitive_colour(hit.primitive) };
-        Ok(Image { size, pixels: self.each(colour)? })
+        let colour = |_: &Ray, hit: &Hit| if hit.is_miss() { BACKGROUND } else { primitive_colour(hit.primitive) };
+        Ok(Image { size, pixels: self.each(Meter::primary_hits, colour)? })
     }
 
     /// The distance to the hit, near bright and far dark.
     pub(crate) fn depths(self) -> Result<(Image, Option<Scale>), PictureError<T::Error>> {
-        self.scaled(|(hit, _)| hit.t, |depth, scale| [to_byte(1.0 - 0.9 * scale.share(depth)); 3])
+        let size = self.camera.size();
+        let depths = self.each(Meter::primary_hits, |_, hit| hit.t)?;
+        scaled(size, &depths, |depth, scale| [to_byte(1.0 - 0.9 * scale.share(depth)); 3])
     }
 
-    /// How many cells a ray visits, from none (black) to the most (light yellow).
-    pub(crate) fn cells(self) -> Result<(Image, Option<Scale>), PictureError<T::Error>> {
-        self.scaled(|(_, work)| work.cells as f32, |cells, scale| heat(f64::from(cells / scale.highest)))
-    }
-
-    /// Colours by a value and the scale of the whole picture; the background has none that is finite.
-    fn scaled(
+    /// How many cells a ray visits, from none (black) to the most (light yellow). They are those of the counted walk
+    /// through the octree, whichever way the tracer goes.
+    pub(crate) fn cells<W: AsRef<[u32]> + Sync>(
         self,
-        value: impl Fn(&Answer) -> f32 + Sync,
-        colour: impl Fn(f32, &Scale) -> [u8; 3] + Sync,
+        octree: &Octree<W>,
     ) -> Result<(Image, Option<Scale>), PictureError<T::Error>> {
         let size = self.camera.size();
-        let values = self.each(|_, answer| value(answer))?;
-        let finite = values.iter().copied().filter(|value| value.is_finite());
-        let lowest = finite.clone().fold(f32::INFINITY, f32::min);
-        let highest = finite.fold(f32::NEG_INFINITY, f32::max);
-        let scale = (lowest <= highest).then_some(Scale { lowest, highest });
-        let mut image = Image::with_capacity(size)?;
-        image.pixels.par_extend(values.par_iter().map(|value| match &scale {
-            Some(scale) if value.is_finite() => colour(*value, scale),
-            _ => BACKGROUND,
-        }));
-        Ok((image, scale))
+        let walk = |meter: &mut Meter<'m, T>, rays: &[Ray]| Ok(meter.primary_walks(octree, rays));
+        let cells = self.each(walk, |_, (_, work)| work.cells as f32)?;
+        scaled(size, &cells, |cells, scale| heat(f64::from(cells / scale.highest)))
     }
 
-    /// A value for each pixel.
-    fn each<V: Send + Sync>(self, value: impl Fn(&Ray, &Answer) -> V + Sync) -> Result<Vec<V>, PictureError<T::Error>> {
+    /// A value for each pixel, of the answer that `trace` gives to its ray.
+    fn each<A: Sync, V: Send>(
+        self,
+        trace: impl Fn(&mut Meter<'m, T>, &[Ray]) -> Result<Vec<A>, T::Error>,
+        value: impl Fn(&Ray, &A) -> V + Sync,
+    ) -> Result<Vec<V>, PictureError<T::Error>> {
         let size = self.camera.size();
         let mut values = Vec::new();
         values.try_reserve_exact(size.pixels()).map_err(|_| PictureError::OutOfMemory { size })?;
-        for pixels in batches(size, 1) {
+        let primary = PrimaryRays::through_middles(self.camera);
+        for pixels in primary.batches() {
             if (self.progress)(pixels.start).is_break() {
                 return Err(PictureError::Cancelled);
             }
-            let rays: Vec<Ray> = pixels.into_par_iter().map(|p| primary_ray(self.camera, p, [0.5; 2])).collect();
-            let answers = self.meter.primary_hits(&rays).map_err(PictureError::Tracer)?;
+            let rays = primary.through(&pixels);
+            let answers = trace(self.meter, &rays).map_err(PictureError::Tracer)?;
             values.par_extend(rays.par_iter().zip(&answers).map(|(ray, answer)| value(ray, answer)));
         }
         Ok(values)
     }
+}
+
+/// Colours by a value and the scale of the whole picture; the background has none that is finite.
+fn scaled<E>(
+    size: Size,
+    values: &[f32],
+    colour: impl Fn(f32, &Scale) -> [u8; 3] + Sync,
+) -> Result<(Image, Option<Scale>), PictureError<E>> {
+    let finite = values.iter().copied().filter(|value| value.is_finite());
+    let lowest = finite.clone().fold(f32::INFINITY, f32::min);
+    let highest = finite.fold(f32::NEG_INFINITY, f32::max);
+    let scale = (lowest <= highest).then_some(Scale { lowest, highest });
+    let mut image = Image::with_capacity(size)?;
+    image.pixels.par_extend(values.par_iter().map(|value| match &scale {
+        Some(scale) if value.is_finite() => colour(*value, scale),
+        _ => BACKGROUND,
+    }));
+    Ok((image, scale))
 }
 
 impl Scale {

@@ -1,13 +1,14 @@
 //! A mesh as it would look on a photographer's table: a key light with traced shadows, and fill.
 
-use leafwalk::Ray;
+use leafwalk::{Ray, Tracer};
 use rayon::prelude::*;
 
 use super::drawing::Drawing;
-use super::meter::Worked;
+use super::primary::PrimaryRays;
+use super::sampling::{Draws, SAMPLES, spread};
 use super::surface::Surface;
 use super::vector::{Vector, add, dot, mix, mul, scale, tangents, unit};
-use super::{Draws, Image, PictureError, SAMPLES, batches, in_cell, primary_ray, spread, to_display};
+use super::{Image, PictureError, to_display};
 use crate::camera::{Camera, Size};
 
 /// Where the key light stands, along the camera's right, up and back.
@@ -28,37 +29,35 @@ struct Lit {
     shadow: Option<(Ray, f64)>,
 }
 
-impl<T: Worked> Drawing<'_, '_, T> {
+impl<T: Tracer> Drawing<'_, '_, T> {
     /// The mesh flat-shaded in its materials' colours.
     pub(crate) fn lit(self) -> Result<Image, PictureError<T::Error>> {
         let size = self.camera.size();
         let mut image = Image::with_capacity(size)?;
         let studio = Studio::new(self.camera);
-        for pixels in batches(size, SAMPLES) {
+        let primary = PrimaryRays::jittered(self.camera);
+        for pixels in primary.batches() {
             if (self.progress)(pixels.start).is_break() {
                 return Err(PictureError::Cancelled);
             }
             let pixel_of = |sample: usize| pixels.start + sample / SAMPLES;
-            let samples = (0..pixels.len() * SAMPLES).into_par_iter();
-            let place = |sample| in_cell(Draws::new(pixel_of(sample), 0).point(), sample);
-            let rays = samples.map(|sample| primary_ray(self.camera, pixel_of(sample), place(sample)));
-            let rays: Vec<Ray> = rays.collect();
-            let answers = self.meter.primary_hits(&rays).map_err(PictureError::Tracer)?;
+            let rays = primary.through(&pixels);
+            let hits = self.meter.primary_hits(&rays).map_err(PictureError::Tracer)?;
 
-            let hits: Vec<Option<Lit>> = (&rays, &answers)
+            let lit: Vec<Option<Lit>> = (&rays, &hits)
                 .into_par_iter()
                 .enumerate()
-                .map(|(sample, (ray, (hit, _)))| {
+                .map(|(sample, (ray, hit))| {
                     let surface = self.surfaces.at(hit, ray.direction)?;
                     let place = spread(Draws::new(pixel_of(sample), 1).point(), sample % SAMPLES);
                     Some(Lit { surface, shadow: studio.shadow_ray(&surface, place) })
                 })
                 .collect();
-            let shadows: Vec<Ray> = hits.iter().flatten().filter_map(|hit| Some(hit.shadow?.0)).collect();
+            let shadows: Vec<Ray> = lit.iter().flatten().filter_map(|lit| Some(lit.shadow?.0)).collect();
             let mut occluded = self.meter.occlusions(&shadows).map_err(PictureError::Tracer)?.into_iter();
             let mut sums = vec![[0.0; 3]; pixels.len()];
-            for (sample, (hit, ray)) in hits.iter().zip(&rays).enumerate() {
-                let colour = match hit {
+            for (sample, (lit, ray)) in lit.iter().zip(&rays).enumerate() {
+                let colour = match lit {
                     None => studio.backdrop(size, pixel_of(sample)),
                     Some(Lit { surface, shadow }) => {
                         let unshadowed = shadow.filter(|_| occluded.next() == Some(false));

@@ -1,43 +1,58 @@
-//! Counting rays, and what they take.
+//! Counting the rays of a picture, and the time that tracing them takes.
 
 use std::time::Instant;
 
-use leafwalk::{CpuTracer, Hit, LengthMismatch, Ray, Tracer, Work};
+use leafwalk::{Hit, Octree, Ray, Tracer, Work};
+
+use super::walk::{Walked, closest_hits_with_work};
 
 /// A tracer with a count of what it answered.
 pub(crate) struct Meter<'a, T> {
     tracer: &'a T,
     pub(crate) traced: Traced,
     pub(crate) primary: Primary,
+    /// What [`Meter::primary_walks`] counted.
+    pub(crate) walked: Walked,
 }
 
-/// Rays answered, and how long that took.
+/// Rays of every kind that were answered, and how long that took.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Traced {
     pub(crate) rays: u64,
     pub(crate) seconds: f64,
 }
 
-/// Primary rays, how many hit, and the work that their walks did in all.
+/// Primary rays that were answered, and how many of them hit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Primary {
     pub(crate) rays: u64,
     pub(crate) hits: u64,
-    pub(crate) cells: u64,
-    pub(crate) blocks: u64,
 }
 
 impl<'a, T> Meter<'a, T> {
     pub(crate) fn new(tracer: &'a T) -> Self {
-        Self { tracer, traced: Traced::default(), primary: Primary::default() }
+        Self { tracer, traced: Traced::default(), primary: Primary::default(), walked: Walked::default() }
     }
 
-    fn measure<E>(&mut self, rays: usize, trace: impl FnOnce(&T) -> Result<(), E>) -> Result<(), E> {
+    /// Runs `trace` and counts it as so many rays.
+    fn measure<A>(&mut self, rays: usize, trace: impl FnOnce(&T) -> A) -> A {
         let start = Instant::now();
-        trace(self.tracer)?;
+        let answers = trace(self.tracer);
         self.traced.seconds += start.elapsed().as_secs_f64();
         self.traced.rays += rays as u64;
-        Ok(())
+        answers
+    }
+
+    /// Closest hits of primary rays, each with its work, by the counted walk through an octree instead of the tracer.
+    pub(crate) fn primary_walks<W: AsRef<[u32]> + Sync>(
+        &mut self,
+        octree: &Octree<W>,
+        rays: &[Ray],
+    ) -> Vec<(Hit, Work)> {
+        let answers = self.measure(rays.len(), |_| closest_hits_with_work(octree, rays));
+        self.primary.add(answers.iter().map(|(hit, _)| hit));
+        self.walked.add(&answers);
+        answers
     }
 }
 
@@ -48,6 +63,13 @@ impl<T: Tracer> Meter<'_, T> {
         Ok(hits)
     }
 
+    /// Closest hits of primary rays.
+    pub(crate) fn primary_hits(&mut self, rays: &[Ray]) -> Result<Vec<Hit>, T::Error> {
+        let hits = self.closest_hits(rays)?;
+        self.primary.add(hits.iter());
+        Ok(hits)
+    }
+
     pub(crate) fn occlusions(&mut self, rays: &[Ray]) -> Result<Vec<bool>, T::Error> {
         let mut occluded = vec![false; rays.len()];
         self.measure(rays.len(), |tracer| tracer.occlusions(rays, &mut occluded))?;
@@ -55,32 +77,9 @@ impl<T: Tracer> Meter<'_, T> {
     }
 }
 
-/// A tracer that counts what each ray takes.
-pub(crate) trait Worked: Tracer {
-    /// Closest hits, each with its work.
-    ///
-    /// # Errors
-    /// As [`Tracer::closest_hits`].
-    fn closest_hits_with_work(&self, rays: &[Ray], answers: &mut [(Hit, Work)]) -> Result<(), Self::Error>;
-}
-
-impl<W: AsRef<[u32]> + Sync> Worked for CpuTracer<W> {
-    fn closest_hits_with_work(&self, rays: &[Ray], answers: &mut [(Hit, Work)]) -> Result<(), LengthMismatch> {
-        self.closest_hits_with_work(rays, answers)
-    }
-}
-
-impl<T: Worked> Meter<'_, T> {
-    /// Closest hits of primary rays, with the work of each.
-    pub(crate) fn primary_hits(&mut self, rays: &[Ray]) -> Result<Vec<(Hit, Work)>, T::Error> {
-        let mut answers = vec![(Hit::MISS, Work::default()); rays.len()];
-        self.measure(rays.len(), |tracer| tracer.closest_hits_with_work(rays, &mut answers))?;
-        for (hit, work) in &answers {
-            self.primary.rays += 1;
-            self.primary.hits += u64::from(!hit.is_miss());
-            self.primary.cells += u64::from(work.cells);
-            self.primary.blocks += u64::from(work.blocks);
-        }
-        Ok(answers)
+impl Primary {
+    fn add<'h>(&mut self, answers: impl ExactSizeIterator<Item = &'h Hit>) {
+        self.rays += answers.len() as u64;
+        self.hits += answers.filter(|hit| !hit.is_miss()).count() as u64;
     }
 }

@@ -6,10 +6,12 @@ use leafwalk::{Hit, Ray, Tracer};
 use rayon::prelude::*;
 
 use super::meter::Meter;
+use super::primary::PrimaryRays;
+use super::sampling::{Draws, SAMPLES, spread};
 use super::smooth::{Film, Pixel};
 use super::surface::{Surface, Surfaces, lift};
 use super::vector::{Vector, add, dot, length, mul, scale, sub, tangents};
-use super::{Draws, Image, PictureError, SAMPLES, batches, in_cell, primary_ray, spread, to_display};
+use super::{Image, PictureError, to_display};
 use crate::camera::Camera;
 use crate::scene::{Light, Scene};
 
@@ -45,8 +47,9 @@ pub(crate) fn render<T: Tracer>(
 ) -> Result<Image, PictureError<T::Error>> {
     let mut image = Image::with_capacity(camera.size())?;
     let mut film = Film::with_capacity(camera.size())?;
-    let renderer = Renderer { light: scene.light, surfaces, camera };
-    for pixels in batches(camera.size(), SAMPLES) {
+    let primary = PrimaryRays::jittered(camera);
+    let renderer = Renderer { light: scene.light, surfaces, primary };
+    for pixels in primary.batches() {
         if progress(pixels.start).is_break() {
             return Err(PictureError::Cancelled);
         }
@@ -60,23 +63,17 @@ pub(crate) fn render<T: Tracer>(
 struct Renderer<'a> {
     light: Light,
     surfaces: &'a Surfaces,
-    camera: &'a Camera,
+    primary: PrimaryRays<'a>,
 }
 
 impl Renderer<'_> {
     fn batch<T: Tracer>(&self, meter: &mut Meter<'_, T>, pixels: Range<usize>) -> Result<Vec<Pixel>, T::Error> {
         let mut result = vec![Pixel::default(); pixels.len()];
-        let mut paths: Vec<Path> = (0..pixels.len() * SAMPLES)
-            .into_par_iter()
-            .map(|sample| {
-                let pixel = pixels.start + sample / SAMPLES;
-                let place = in_cell(Draws::new(pixel, 0).point(), sample);
-                Path { sample, ray: primary_ray(self.camera, pixel, place), weight: [1.0; 3] }
-            })
-            .collect();
+        let primary = self.primary.through(&pixels).into_iter().enumerate();
+        let mut paths: Vec<Path> = primary.map(|(sample, ray)| Path { sample, ray, weight: [1.0; 3] }).collect();
         for wave in 0..=BOUNCES {
             let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
-            let hits = meter.closest_hits(&rays)?;
+            let hits = if wave == 0 { meter.primary_hits(&rays) } else { meter.closest_hits(&rays) }?;
             let bounces: Vec<Option<Bounce>> = (&paths, &hits)
                 .into_par_iter()
                 .map(|(path, hit)| {

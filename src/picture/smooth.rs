@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::PictureError;
+use super::sampling::SAMPLES;
 use super::surface::Surface;
 use super::vector::{Vector, add, dot, mul, scale, sub};
-use super::{PictureError, SAMPLES};
 use crate::camera::Size;
 
 /// What the samples of a pixel saw.
@@ -152,7 +153,7 @@ fn falloff(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::Draws;
+    use crate::picture::sampling::Draws;
 
     /// Two walls that meet in the middle, noisy around 1 on the left and 3 on the right.
     fn corner() -> Film {

@@ -71,8 +71,9 @@ fn the_default_picture_shows_the_room_and_is_the_same_for_any_number_of_threads(
 
     assert!((50_000..=200_000).contains(&report["triangles"].as_u64().expect("a number")));
     // The room is closed.
-    assert_eq!(report["primary_rays"], 960 * 720);
+    assert_eq!(report["primary_rays"], 4 * 960 * 720);
     assert_eq!(report["primary_hits"], report["primary_rays"]);
+    assert_eq!(report["walked_rays"], 4096);
     assert!(report["rays"].as_u64().expect("a number") > 4 * 960 * 720);
     for name in ["mrays_per_s", "cells_per_ray", "blocks_per_ray", "build_seconds", "render_seconds"] {
         assert!(report[name].as_f64().expect("a number") > 0.0, "{name}: {report}");
@@ -99,6 +100,37 @@ fn a_mesh_and_its_octree_give_the_same_picture_in_every_shade() {
         assert_eq!(report["picture"], "mesh.png");
     }
     assert_eq!(shell.names(), ["mesh.png", "octree.png", "sphere.lwk", "sphere.obj"]);
+}
+
+#[test]
+fn the_work_of_the_walk_is_counted_on_a_sample_and_reported_as_the_walks() {
+    let shell = shell();
+    shell.write("sphere.obj", obj(&icosphere(4)));
+    shell.run("build sphere.obj -o sphere.lwk").assert_code(0);
+    let report = |size: &str, shade: &str| {
+        let report = shell.json(&format!("render sphere.lwk -o out.png --size {size} --shade {shade}"));
+        ["cells_per_ray", "blocks_per_ray", "walked_rays"].map(|name| report[name].as_f64().expect("a number"))
+    };
+    let [cells, blocks, walked] = report("80x60", "cells");
+    assert!(cells > 1.0 && blocks > 0.1, "a test of nothing: {cells} cells and {blocks} blocks a ray");
+    assert_eq!(walked, 80.0 * 60.0, "a picture of cells walks all rays");
+    for shade in ["normal", "depth", "primitive", "lit"] {
+        let sampled = report("80x60", shade);
+        assert_eq!(sampled[2], 4096.0, "{shade}");
+        let ratios = [sampled[0] / cells, sampled[1] / blocks];
+        assert!(ratios.iter().all(|ratio| (0.95..1.05).contains(ratio)), "{shade}: {ratios:?} of all rays' work");
+        assert_eq!(report("80x60", shade), sampled, "{shade}: another sample in another run");
+    }
+    assert_eq!(report("40x30", "normal"), report("40x30", "cells"), "fewer rays than a sample are walked all");
+
+    let printed = |shade: &str| shell.run(&format!("render sphere.lwk -o out.png --size 40x30 --shade {shade}")).stdout;
+    let (lit, cells) = (printed("lit"), printed("cells"));
+    for line in ["walk: primary rays counted  4096\n", "walk: cells a ray ", "walk: block tests a ray ", "\nspeed  "] {
+        assert!(lit.contains(line), "no `{line}` in {lit}");
+    }
+    for line in ["walk: primary rays counted  1200\n", "\nspeed of the walk  "] {
+        assert!(cells.contains(line), "no `{line}` in {cells}");
+    }
 }
 
 #[test]
