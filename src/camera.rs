@@ -2,9 +2,10 @@
 
 use core::fmt;
 
+use glam::{DVec3, Vec3};
 use leafwalk::{Aabb, Ray};
 
-use crate::picture::vector::{Vector, add, cross, dot, length, scale, sub, unit};
+use crate::picture::vector::unit;
 
 /// Pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,11 +42,11 @@ impl Size {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct View {
     /// The pinhole, in the mesh's units.
-    pub(crate) eye: Vector,
+    pub(crate) eye: DVec3,
     /// The point in the middle of the picture.
-    pub(crate) at: Vector,
+    pub(crate) at: DVec3,
     /// What is up in the picture; any length, not along the line of sight.
-    pub(crate) up: Vector,
+    pub(crate) up: DVec3,
     /// Vertical angle of view in degrees, in 0..180.
     pub(crate) fov: f64,
 }
@@ -53,9 +54,9 @@ pub(crate) struct View {
 impl View {
     /// A moderate angle: little distortion, some depth.
     pub(crate) const FOV: f64 = 35.0;
-    pub(crate) const UP: Vector = [0.0, 1.0, 0.0];
+    pub(crate) const UP: DVec3 = DVec3::Y;
     /// From the right, the front and above: three sides of a box show.
-    const THREE_QUARTER: Vector = [0.5, 0.36, 1.0];
+    const THREE_QUARTER: DVec3 = DVec3::new(0.5, 0.36, 1.0);
     /// Room left around what is framed.
     const BORDER: f64 = 1.06;
 
@@ -69,7 +70,8 @@ impl View {
     pub(crate) fn framing(bounds: &Aabb, fov: f64, aspect: f64) -> Self {
         let is_empty = (0..3).any(|k| bounds.lower[k] > bounds.upper[k]);
         let (lower, upper) = if is_empty { ([-0.5; 3], [0.5; 3]) } else { (bounds.lower, bounds.upper) };
-        let at = scale(add(lower, upper), 0.5);
+        let (lower, upper) = (DVec3::from(lower), DVec3::from(upper));
+        let at = (lower + upper) * 0.5;
         // Eye and at are one until the distance is known.
         let view = Self { eye: at, at, up: Self::UP, fov };
         let Some([right, up, back]) = basis(Self::THREE_QUARTER, Self::UP) else { return view };
@@ -77,15 +79,15 @@ impl View {
         let tangent = view.tangent();
         let distance = (0..8)
             .map(|corner| {
-                let corner = core::array::from_fn(|k| if corner >> k & 1 == 1 { upper[k] } else { lower[k] });
-                let offset = sub(corner, at);
-                let needed = (dot(offset, right).abs() / aspect).max(dot(offset, up).abs()) / tangent;
-                dot(offset, back) + Self::BORDER * needed
+                let corner = [0, 1, 2].map(|k| if corner >> k & 1 == 1 { upper[k] } else { lower[k] });
+                let offset = DVec3::from(corner) - at;
+                let needed = (offset.dot(right).abs() / aspect).max(offset.dot(up).abs()) / tangent;
+                offset.dot(back) + Self::BORDER * needed
             })
             .fold(0.0, f64::max);
         // A mesh that is a single point has no size to frame: any distance shows the same.
         let distance = if distance > 0.0 { distance } else { 1.0 };
-        Self { eye: add(at, scale(back, distance)), ..view }
+        Self { eye: at + back * distance, ..view }
     }
 
     /// Half the height of the picture at distance 1.
@@ -96,12 +98,12 @@ impl View {
 
 /// Unit vectors to the right, up and back of a camera that looks against `back`; `None` where that or up is no
 /// direction, or they are one.
-fn basis(back: Vector, up: Vector) -> Option<[Vector; 3]> {
+fn basis(back: DVec3, up: DVec3) -> Option<[DVec3; 3]> {
     let back = unit(back)?;
-    let sideways = cross(unit(up)?, back);
-    let is_parallel = length(sideways) < PARALLEL;
+    let sideways = unit(up)?.cross(back);
+    let is_parallel = sideways.length() < PARALLEL;
     let right = unit(sideways).filter(|_| !is_parallel)?;
-    Some([right, cross(back, right), back])
+    Some([right, back.cross(right), back])
 }
 
 /// Sine of the angle to the line of sight below which an up vector counts as parallel to it.
@@ -114,9 +116,9 @@ const PARALLEL: f64 = 1.0 / (1 << 10) as f64;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Camera {
     size: Size,
-    eye: [f32; 3],
+    eye: Vec3,
     /// Unit vectors to the right, up and back.
-    basis: [Vector; 3],
+    basis: [DVec3; 3],
     /// Edge of a pixel at distance 1.
     pixel: f64,
 }
@@ -127,7 +129,7 @@ impl Camera {
     pub(crate) fn new(view: &View, size: Size) -> Result<Self, CameraError> {
         for (what, point) in [("eye", view.eye), ("at", view.at), ("up", view.up)] {
             // Ray origins are f32.
-            if !point.iter().all(|c| (*c as f32).is_finite()) {
+            if !point.as_vec3().is_finite() {
                 return Err(CameraError::NonFinite { what, point });
             }
         }
@@ -135,11 +137,11 @@ impl Camera {
         if view.eye == view.at {
             return Err(CameraError::NoDirection { eye: view.eye });
         }
-        let Some(basis) = basis(sub(view.eye, view.at), view.up) else {
+        let Some(basis) = basis(view.eye - view.at, view.up) else {
             return Err(CameraError::UpAlongView { up: view.up });
         };
         let pixel = 2.0 * view.tangent() / f64::from(size.height);
-        Ok(Self { size, eye: view.eye.map(|c| c as f32), basis, pixel })
+        Ok(Self { size, eye: view.eye.as_vec3(), basis, pixel })
     }
 
     pub(crate) fn size(&self) -> Size {
@@ -147,7 +149,7 @@ impl Camera {
     }
 
     /// Unit vectors to the right, up and back.
-    pub(crate) fn basis(&self) -> [Vector; 3] {
+    pub(crate) fn basis(&self) -> [DVec3; 3] {
         self.basis
     }
 
@@ -156,8 +158,8 @@ impl Camera {
         let [right, up, back] = self.basis;
         let across = self.pixel * (x - 0.5 * f64::from(self.size.width));
         let upwards = self.pixel * (0.5 * f64::from(self.size.height) - y);
-        let direction = sub(add(scale(right, across), scale(up, upwards)), back);
-        Ray::new(self.eye, unit(direction).unwrap_or(direction).map(|c| c as f32))
+        let direction = right * across + up * upwards - back;
+        Ray::new(self.eye, unit(direction).unwrap_or(direction).as_vec3())
     }
 }
 
@@ -182,17 +184,17 @@ pub(crate) enum CameraError {
         /// Which point or vector.
         what: &'static str,
         /// Its value.
-        point: Vector,
+        point: DVec3,
     },
     /// The eye is the point that it looks at.
     NoDirection {
         /// The point.
-        eye: Vector,
+        eye: DVec3,
     },
     /// Up is zero, or the camera looks along it.
     UpAlongView {
         /// The vector.
-        up: Vector,
+        up: DVec3,
     },
 }
 
@@ -205,13 +207,13 @@ impl fmt::Display for CameraError {
             Self::FieldOfView { degrees } => {
                 write!(f, "a field of view of {degrees} degrees: choose one above 0 and below 180")
             }
-            Self::NonFinite { what, point: [x, y, z] } => {
+            Self::NonFinite { what, point: DVec3 { x, y, z } } => {
                 write!(f, "the camera's {what} is ({x}, {y}, {z}): give finite numbers within the range of f32")
             }
-            Self::NoDirection { eye: [x, y, z] } => {
+            Self::NoDirection { eye: DVec3 { x, y, z } } => {
                 write!(f, "the camera at ({x}, {y}, {z}) looks at its own place: move eye or at")
             }
-            Self::UpAlongView { up: [x, y, z] } => {
+            Self::UpAlongView { up: DVec3 { x, y, z } } => {
                 write!(f, "up ({x}, {y}, {z}) is zero or lies along the line of sight: choose another up")
             }
         }
@@ -224,20 +226,20 @@ impl core::error::Error for CameraError {}
 mod tests {
     use super::*;
 
-    fn direction(camera: &Camera, x: f64, y: f64) -> Vector {
-        camera.ray(x, y).direction.map(f64::from)
+    fn direction(camera: &Camera, x: f64, y: f64) -> DVec3 {
+        Vec3::from(camera.ray(x, y).direction).as_dvec3()
     }
 
     #[test]
     fn rays_go_through_their_pixels() {
-        let view = View { eye: [1.0, 2.0, 3.0], at: [1.0, 2.0, -7.0], up: View::UP, fov: 90.0 };
+        let view = View { eye: DVec3::new(1.0, 2.0, 3.0), at: DVec3::new(1.0, 2.0, -7.0), up: View::UP, fov: 90.0 };
         let camera = Camera::new(&view, Size { width: 200, height: 100 }).expect("a camera");
         assert_eq!(camera.ray(0.0, 0.0).origin, [1.0, 2.0, 3.0]);
-        assert_eq!(direction(&camera, 100.0, 50.0), [0.0, 0.0, -1.0]);
+        assert_eq!(direction(&camera, 100.0, 50.0), DVec3::NEG_Z);
         let [upper, right] = [direction(&camera, 100.0, 0.0), direction(&camera, 200.0, 50.0)];
         let expected = [[0.0, 0.5f64.sqrt(), -0.5f64.sqrt()], [2.0 / 5f64.sqrt(), 0.0, -1.0 / 5f64.sqrt()]];
-        for (ray, expected) in [upper, right].into_iter().zip(expected) {
-            assert!(length(sub(ray, expected)) < 1e-6, "{ray:?}, not {expected:?}");
+        for (ray, expected) in [upper, right].into_iter().zip(expected.map(DVec3::from)) {
+            assert!(ray.distance(expected) < 1e-6, "{ray:?}, not {expected:?}");
         }
     }
 
@@ -256,10 +258,10 @@ mod tests {
             let [right, up, back] = camera.basis();
             let place = |corner: u32| {
                 let at = |k: usize| if corner >> k & 1 == 1 { bounds.upper[k] } else { bounds.lower[k] };
-                let from_eye = sub([0, 1, 2].map(at), view.eye);
-                let depth = -dot(from_eye, back) * view.tangent();
+                let from_eye = DVec3::from([0, 1, 2].map(at)) - view.eye;
+                let depth = -from_eye.dot(back) * view.tangent();
                 assert!(depth > 0.0, "{bounds:?}: corner {corner} is behind the camera");
-                (dot(from_eye, right).abs() / depth / size.aspect()).max(dot(from_eye, up).abs() / depth)
+                (from_eye.dot(right).abs() / depth / size.aspect()).max(from_eye.dot(up).abs() / depth)
             };
             let outermost = (0..8).map(place).fold(0.0, f64::max);
             assert!((0.9..1.0).contains(&outermost), "{bounds:?}: the outermost corner is at {outermost}");
@@ -278,7 +280,7 @@ mod tests {
 
     #[test]
     fn views_that_show_nothing_are_refused() {
-        let view = View { eye: [0.0, 0.0, 5.0], at: [0.0; 3], up: View::UP, fov: 40.0 };
+        let view = View { eye: DVec3::new(0.0, 0.0, 5.0), at: DVec3::ZERO, up: View::UP, fov: 40.0 };
         let refused = |view: View| Camera::new(&view, Size::DEFAULT).expect_err("no camera");
         assert!(Camera::new(&view, Size::DEFAULT).is_ok());
         for degrees in [0.0, -1.0, 180.0, f64::INFINITY] {
@@ -286,10 +288,10 @@ mod tests {
         }
         assert!(matches!(refused(View { fov: f64::NAN, ..view }), CameraError::FieldOfView { .. }));
         assert_eq!(refused(View { at: view.eye, ..view }), CameraError::NoDirection { eye: view.eye });
-        for up in [[0.0; 3], [0.0, 0.0, -2.0], [0.0, 1e-6, 1.0]] {
+        for up in [DVec3::ZERO, DVec3::new(0.0, 0.0, -2.0), DVec3::new(0.0, 1e-6, 1.0)] {
             assert_eq!(refused(View { up, ..view }), CameraError::UpAlongView { up });
         }
-        let far = [1e39, 0.0, 0.0];
+        let far = DVec3::new(1e39, 0.0, 0.0);
         assert_eq!(refused(View { eye: far, ..view }), CameraError::NonFinite { what: "eye", point: far });
         for (width, height) in [(0, 1), (1, 0), (Size::MOST + 1, 1), (1, u32::MAX)] {
             assert_eq!(Size::new(width, height), Err(CameraError::Size { width, height }));

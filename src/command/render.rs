@@ -5,6 +5,7 @@ use core::time::Duration;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use glam::DVec3;
 use leafwalk::Octree;
 
 use super::backend::{Backend, BackendArgs, BackendError};
@@ -18,7 +19,6 @@ use crate::picture::false_colour::Scale;
 use crate::picture::meter::{Meter, Primary, Traced};
 use crate::picture::primary::PrimaryRays;
 use crate::picture::surface::Surfaces;
-use crate::picture::vector::Vector;
 use crate::picture::walk::Walked;
 use crate::picture::{Image, PictureError};
 use crate::scene::Material;
@@ -74,7 +74,7 @@ Examples:
 
 /// A point or a vector on the command line.
 #[derive(Clone, Copy, Debug)]
-struct Point(Vector);
+struct Point(DVec3);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Shade {
@@ -100,7 +100,7 @@ fn size(argument: &str) -> Result<Size, String> {
 fn point(argument: &str) -> Result<Point, String> {
     let numbers: Result<Vec<f64>, _> = argument.split(',').map(|number| number.trim().parse()).collect();
     match numbers.as_deref() {
-        Ok(&[x, y, z]) if [x, y, z].iter().all(|c| (*c as f32).is_finite()) => Ok(Point([x, y, z])),
+        Ok(&[x, y, z]) if DVec3::new(x, y, z).as_vec3().is_finite() => Ok(Point(DVec3::new(x, y, z))),
         _ => Err("three numbers within the range of f32 are needed, such as 0,1.5,-2".to_owned()),
     }
 }
@@ -118,7 +118,7 @@ pub(crate) fn run(args: &RenderArgs, context: &Context) -> Result<(), CommandErr
     let view = args.view(&View::framing(&octree.bounds(), args.fov.unwrap_or(View::FOV), args.size.aspect()));
     let camera = Camera::new(&view, args.size)?;
     let materials = built.iter().flat_map(|built| &built.mesh.materials);
-    let materials = materials.map(|from| Material { diffuse: from.diffuse, emission: from.emission });
+    let materials = materials.map(|from| Material { diffuse: from.diffuse.into(), emission: from.emission.into() });
     let surfaces = Surfaces::new(&octree, materials.collect());
 
     let tracer = args.backend.open(octree)?;

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use glam::{DVec3, Vec3};
+
 use super::MeshError;
 
 /// How far a corner may lie from the polygon's mean plane, as a share of its reach (the largest distance of a corner
@@ -67,7 +69,7 @@ impl Fans {
             outline.clear();
             outline.extend(fan[0][..2].iter().chain(fan.iter().map(|triangle| &triangle[2])).map(|&index| {
                 // Rounding to f64 is exact, and no product of two coordinates overflows there.
-                positions[index as usize].map(f64::from)
+                Vec3::from(positions[index as usize]).as_dvec3()
             }));
             let Some(fault) = fault(&outline) else { continue };
             let (path, face, corners) = (path.to_owned(), polygon.face, outline.len());
@@ -91,29 +93,29 @@ enum Fault {
 
 /// What keeps a polygon from being a fan. A polygon thinner than rounding has nothing to check, and one with a corner
 /// that is not finite cannot be checked.
-fn fault(corners: &[[f64; 3]]) -> Option<Fault> {
-    if !corners.iter().flatten().all(|x| x.is_finite()) {
+fn fault(corners: &[DVec3]) -> Option<Fault> {
+    if !corners.iter().all(|corner| corner.is_finite()) {
         return None;
     }
     let apex = corners[0];
-    let from_apex = |corner: &[f64; 3]| length(sub(*corner, apex));
+    let from_apex = |corner: &DVec3| (corner - apex).length();
     let farthest = corners.iter().copied().max_by(|a, b| from_apex(a).total_cmp(&from_apex(b)))?;
     let reach = from_apex(&farthest);
-    let rounding = ROUNDING * corners.iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs()));
-    let off_line = |corner: &[f64; 3]| length(cross(sub(farthest, apex), sub(*corner, apex))) > rounding * reach;
+    let rounding = ROUNDING * corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
+    let off_line = |corner: &DVec3| (farthest - apex).cross(corner - apex).length() > rounding * reach;
     let corner = corners.iter().position(off_line)?;
 
     // Twice the vector area; a convex polygon has at least that of the triangle of the three corners just found.
     let edges = || corners.iter().zip(corners[1..].iter().chain([&apex]));
-    let area = edges().map(|(a, b)| cross(sub(*a, apex), sub(*b, apex))).fold([0.0; 3], add);
-    let size = length(area);
+    let area: DVec3 = edges().map(|(a, b)| (a - apex).cross(b - apex)).sum();
+    let size = area.length();
     if size <= rounding * reach {
         return Some(Fault::Concave { corner });
     }
-    let normal = area.map(|x| x / size);
+    let normal = area / size;
 
-    let mean = corners.iter().copied().fold([0.0; 3], add).map(|x| x / corners.len() as f64);
-    let distance = corners.iter().map(|corner| dot(sub(*corner, mean), normal).abs()).fold(0.0, f64::max);
+    let mean = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let distance = corners.iter().map(|corner| (corner - mean).dot(normal).abs()).fold(0.0, f64::max);
     let allowed = WARP * reach + rounding;
     if distance > allowed {
         return Some(Fault::NonPlanar { distance, allowed });
@@ -124,57 +126,37 @@ fn fault(corners: &[[f64; 3]]) -> Option<Fault> {
     let count = corners.len();
     let turns_right = |a: usize, b: usize, c: usize| {
         let [a, b, c] = [a, b, c].map(|i| corners[i % count]);
-        let [ab, ac, bc] = [sub(b, a), sub(c, a), sub(c, b)];
-        dot(cross(ab, ac), normal) < -rounding * length(ab).max(length(ac)).max(length(bc))
+        let [ab, ac, bc] = [b - a, c - a, c - b];
+        ab.cross(ac).dot(normal) < -rounding * ab.length().max(ac.length()).max(bc.length())
     };
     (0..count)
         .find(|&i| turns_right(i + count - 1, i, i + 1) || turns_right(0, i, i + 1) || turns_right(0, 1, i))
         .map(|corner| Fault::Concave { corner })
 }
 
-fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn length(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn flat(corners: &[[f64; 2]]) -> Vec<[f64; 3]> {
-        corners.iter().map(|&[x, y]| [x, y, 0.0]).collect()
+    fn flat(corners: &[[f64; 2]]) -> Vec<DVec3> {
+        corners.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect()
     }
 
-    fn regular(count: usize, step: usize) -> Vec<[f64; 3]> {
+    fn regular(count: usize, step: usize) -> Vec<DVec3> {
         let angle = |i: usize| (i * step) as f64 * core::f64::consts::TAU / count as f64;
-        (0..count).map(|i| [angle(i).cos(), angle(i).sin(), 0.5 * angle(i).cos()]).collect()
+        (0..count).map(|i| DVec3::new(angle(i).cos(), angle(i).sin(), 0.5 * angle(i).cos())).collect()
     }
 
     /// A unit square, its last corner folded up along the diagonal through the first.
-    fn folded(degrees: f64) -> Vec<[f64; 3]> {
+    fn folded(degrees: f64) -> Vec<DVec3> {
         let (half, (sine, cosine)) = (0.5_f64, degrees.to_radians().sin_cos());
         let height = half.sqrt();
-        let corner = [half - half * cosine, half + half * cosine, height * sine];
-        vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], corner]
+        let corner = DVec3::new(half - half * cosine, half + half * cosine, height * sine);
+        vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), corner]
     }
 
     /// The same polygon from every corner, in both directions: the verdict may not depend on either.
-    fn variants(corners: &[[f64; 3]]) -> Vec<Vec<[f64; 3]>> {
+    fn variants(corners: &[DVec3]) -> Vec<Vec<DVec3>> {
         let mut all = Vec::new();
         for start in 0..corners.len() {
             let mut turned = corners.to_vec();
@@ -186,13 +168,13 @@ mod tests {
         all
     }
 
-    fn assert_fan(corners: &[[f64; 3]]) {
+    fn assert_fan(corners: &[DVec3]) {
         for variant in variants(corners) {
             assert_eq!(fault(&variant), None, "{variant:?}");
         }
     }
 
-    fn assert_concave(corners: &[[f64; 3]]) {
+    fn assert_concave(corners: &[DVec3]) {
         for variant in variants(corners) {
             assert!(matches!(fault(&variant), Some(Fault::Concave { .. })), "{variant:?}");
         }
@@ -211,12 +193,12 @@ mod tests {
         assert_concave(&flat(&[[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]]));
         assert_concave(&flat(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]));
         assert_concave(&flat(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]));
-        assert_concave(&[[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 1e-7], [0.0, 1.0, 0.0]]);
+        assert_concave(&[[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 1e-7], [0.0, 1.0, 0.0]].map(DVec3::from));
         for (count, step) in [(5, 2), (7, 2), (7, 3), (8, 3), (9, 2), (9, 4)] {
             assert_concave(&regular(count, step));
         }
         let mut dented = regular(12, 1);
-        dented[5] = dented[5].map(|x| 0.8 * x);
+        dented[5] *= 0.8;
         assert_eq!(fault(&dented), Some(Fault::Concave { corner: 5 }));
     }
 
@@ -239,7 +221,7 @@ mod tests {
                 let written = regular(12, 1)
                     .into_iter()
                     .map(|corner| corner.map(|x| format!("{:.5e}", place + x * 10_f64.powi(exponent)).parse().unwrap()))
-                    .collect::<Vec<[f64; 3]>>();
+                    .collect::<Vec<DVec3>>();
                 assert_fan(&written);
             }
         }
@@ -247,7 +229,7 @@ mod tests {
 
     #[test]
     fn thin_and_unchecked_polygons_pass() {
-        assert_fan(&[[3.0, 1.0, 2.0]; 5]);
+        assert_fan(&[DVec3::new(3.0, 1.0, 2.0); 5]);
         assert_fan(&flat(&[[0.0, 0.0], [1.0, 1.0], [3.0, 3.0], [2.0, 2.0]]));
         assert_fan(&flat(&[[0.0, 0.0], [f64::NAN, 1.0], [1.0, 1.0], [0.5, 0.1]]));
         assert_fan(&flat(&[[0.0, 0.0], [3e38, 0.0], [3e38, 3e38], [0.0, 3e38]]));

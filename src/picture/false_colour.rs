@@ -1,12 +1,13 @@
 //! Pictures whose colours are data: one primary ray a pixel.
 
+use glam::DVec3;
 use leafwalk::{Hit, Octree, Ray, Tracer};
 use rayon::prelude::*;
 
 use super::drawing::Drawing;
 use super::meter::Meter;
 use super::primary::PrimaryRays;
-use super::vector::{Vector, mix};
+use super::vector::mix;
 use super::{Image, PictureError};
 use crate::camera::Size;
 
@@ -23,7 +24,7 @@ impl<'m, T: Tracer> Drawing<'_, 'm, T> {
         let (size, surfaces) = (self.camera.size(), self.surfaces);
         let colour = |ray: &Ray, hit: &Hit| {
             let normal = surfaces.at(hit, ray.direction).map(|surface| surface.normal);
-            normal.map_or(BACKGROUND, |normal| normal.map(|c| to_byte(0.5 + 0.5 * c)))
+            normal.map_or(BACKGROUND, |normal| normal.to_array().map(|c| to_byte(0.5 + 0.5 * c)))
         };
         Ok(Image { size, pixels: self.each(Meter::primary_hits, colour)? })
     }
@@ -136,6 +137,6 @@ const INFERNO: [[u8; 3]; 10] = [
 fn heat(share: f64) -> [u8; 3] {
     let place = share.clamp(0.0, 1.0) * (INFERNO.len() - 1) as f64;
     let below = (place as usize).min(INFERNO.len() - 2);
-    let [low, high]: [Vector; 2] = [INFERNO[below], INFERNO[below + 1]].map(|colour| colour.map(f64::from));
-    mix(low, high, place - below as f64).map(|c| (c + 0.5) as u8)
+    let [low, high] = [INFERNO[below], INFERNO[below + 1]].map(|colour| DVec3::from(colour.map(f64::from)));
+    mix(low, high, place - below as f64).to_array().map(|c| (c + 0.5) as u8)
 }

@@ -14,8 +14,9 @@ pub(crate) mod walk;
 
 use std::io::{self, Write};
 
+use glam::DVec3;
+
 use crate::camera::Size;
-use vector::Vector;
 
 /// A finished picture: rows from the top, sRGB with 8 bits a channel.
 #[derive(Debug)]
@@ -62,8 +63,8 @@ pub(crate) enum PictureError<E> {
 }
 
 /// Display value of a linear radiance: sRGB, 8 bits.
-pub(crate) fn to_display(colour: Vector) -> [u8; 3] {
-    colour.map(|linear| {
+pub(crate) fn to_display(colour: DVec3) -> [u8; 3] {
+    colour.to_array().map(|linear| {
         let linear = linear.clamp(0.0, 1.0);
         let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
         (encoded * 255.0 + 0.5) as u8
@@ -76,8 +77,8 @@ mod tests {
 
     #[test]
     fn linear_colours_are_encoded_as_srgb() {
-        assert_eq!(to_display([0.0, 1.0, 2.0]), [0, 255, 255]);
+        assert_eq!(to_display(DVec3::new(0.0, 1.0, 2.0)), [0, 255, 255]);
         // Mid-grey, and one from the linear part of the curve.
-        assert_eq!(to_display([0.215_861, 0.002, -1.0]), [128, 7, 0]);
+        assert_eq!(to_display(DVec3::new(0.215_861, 0.002, -1.0)), [128, 7, 0]);
     }
 }

@@ -2,6 +2,7 @@
 
 use core::ops::{ControlFlow, Range};
 
+use glam::DVec3;
 use leafwalk::{Hit, Ray, Tracer};
 use rayon::prelude::*;
 
@@ -10,7 +11,6 @@ use super::primary::PrimaryRays;
 use super::sampling::{Draws, SAMPLES, spread};
 use super::smooth::{Film, Pixel};
 use super::surface::{Surface, Surfaces, lift};
-use super::vector::{Vector, add, dot, length, mul, scale, sub, tangents};
 use super::{Image, PictureError, to_display};
 use crate::camera::Camera;
 use crate::scene::{Light, Scene};
@@ -24,16 +24,16 @@ struct Path {
     sample: usize,
     ray: Ray,
     /// What share of the light it meets reaches the first hit's surface, and leaves it if that were white.
-    weight: Vector,
+    weight: DVec3,
 }
 
 /// What became of a path at a hit.
 struct Bounce {
     surface: Surface,
     /// What a white surface would reflect of the light if nothing were in between; of primary hits.
-    unshadowed: Vector,
+    unshadowed: DVec3,
     /// The ray to the light, and what comes along it if nothing is in between.
-    shadow: Option<(Ray, Vector)>,
+    shadow: Option<(Ray, DVec3)>,
     next: Path,
 }
 
@@ -70,7 +70,7 @@ impl Renderer<'_> {
     fn batch<T: Tracer>(&self, meter: &mut Meter<'_, T>, pixels: Range<usize>) -> Result<Vec<Pixel>, T::Error> {
         let mut result = vec![Pixel::default(); pixels.len()];
         let primary = self.primary.through(&pixels).into_iter().enumerate();
-        let mut paths: Vec<Path> = primary.map(|(sample, ray)| Path { sample, ray, weight: [1.0; 3] }).collect();
+        let mut paths: Vec<Path> = primary.map(|(sample, ray)| Path { sample, ray, weight: DVec3::ONE }).collect();
         for wave in 0..=BOUNCES {
             let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
             let hits = if wave == 0 { meter.primary_hits(&rays) } else { meter.closest_hits(&rays) }?;
@@ -84,14 +84,14 @@ impl Renderer<'_> {
             let shadows: Vec<Ray> = bounces.iter().flatten().filter_map(|bounce| Some(bounce.shadow?.0)).collect();
             let mut occluded = meter.occlusions(&shadows)?.into_iter();
             for bounce in bounces.iter().flatten() {
-                let possible = bounce.shadow.map_or([0.0; 3], |(_, light)| light);
+                let possible = bounce.shadow.map_or(DVec3::ZERO, |(_, light)| light);
                 let is_lit = bounce.shadow.is_some() && occluded.next() == Some(false);
-                let found = if is_lit { possible } else { [0.0; 3] };
+                let found = if is_lit { possible } else { DVec3::ZERO };
                 let pixel = &mut result[bounce.next.sample / SAMPLES];
                 if wave == 0 {
-                    pixel.add(&bounce.surface, bounce.unshadowed, [found[1], possible[1]]);
+                    pixel.add(&bounce.surface, bounce.unshadowed, [found.y, possible.y]);
                 } else {
-                    pixel.bounced = add(pixel.bounced, found);
+                    pixel.bounced += found;
                 }
             }
             let bounced = bounces.into_iter().flatten().map(|bounce| bounce.next);
@@ -104,20 +104,20 @@ impl Renderer<'_> {
     fn bounce(&self, wave: u32, path: &Path, hit: &Hit, mut draws: Draws) -> Option<Bounce> {
         let surface = self.surfaces.at(hit, path.ray.direction)?;
         // The first surface counts as white here: its pixel applies the colour, after smoothing.
-        let colour = if wave == 0 { [1.0; 3] } else { surface.material.diffuse.map(f64::from) };
-        let weight = mul(path.weight, colour);
+        let colour = if wave == 0 { DVec3::ONE } else { surface.material.diffuse.as_dvec3() };
+        let weight = path.weight * colour;
         let place = spread(draws.point(), path.sample % SAMPLES);
         let shadow = self.shadow_ray(&surface, place);
-        let shadow = shadow.map(|(ray, share)| (ray, scale(mul(weight, self.light.radiance), share)));
+        let shadow = shadow.map(|(ray, share)| (ray, weight * self.light.radiance * share));
         // Directions are distributed as their cosine, by a disc that is projected up, so that all weigh the same.
         let [turn, area] = draws.point();
         let (sine, cosine) = (core::f64::consts::TAU * turn).sin_cos();
-        let [u, v] = tangents(surface.normal).map(|tangent| scale(tangent, area.sqrt()));
-        let up = scale(surface.normal, (1.0 - area).sqrt());
-        let direction = add(add(scale(u, cosine), scale(v, sine)), up);
-        let ray = Ray::new(surface.lifted.map(|c| c as f32), direction.map(|c| c as f32));
+        let (u, v) = surface.normal.any_orthonormal_pair();
+        let (radius, height) = (area.sqrt(), (1.0 - area).sqrt());
+        let direction = u * radius * cosine + v * radius * sine + surface.normal * height;
+        let ray = Ray::new(surface.lifted.as_vec3(), direction.as_vec3());
         let form_factor = if wave == 0 { self.light.form_factor(surface.lifted, surface.normal) } else { 0.0 };
-        let unshadowed = scale(self.light.radiance, form_factor);
+        let unshadowed = self.light.radiance * form_factor;
         Some(Bounce { surface, unshadowed, shadow, next: Path { sample: path.sample, ray, weight } })
     }
 
@@ -125,18 +125,18 @@ impl Renderer<'_> {
     fn shadow_ray(&self, surface: &Surface, place: [f64; 2]) -> Option<(Ray, f64)> {
         // Both ends are lifted off their surfaces, so that the ray between them meets neither.
         let normal = self.light.normal();
-        let to_light = sub(lift(self.light.point(place), normal, self.surfaces.root_edge()), surface.lifted);
-        let distance = length(to_light);
-        let (leaving, arriving) = (dot(surface.normal, to_light), -dot(normal, to_light));
+        let to_light = lift(self.light.point(place), normal, self.surfaces.root_edge()) - surface.lifted;
+        let distance = to_light.length();
+        let (leaving, arriving) = (surface.normal.dot(to_light), -normal.dot(to_light));
         let is_lit = leaving > 0.0 && arriving > 0.0;
         let share = leaving * arriving * self.light.area() / (core::f64::consts::PI * distance.powi(4));
-        let [origin, direction] = [surface.lifted, to_light].map(|vector| vector.map(|c| c as f32));
+        let (origin, direction) = (surface.lifted.as_vec3(), to_light.as_vec3());
         is_lit.then(|| (Ray::between(origin, direction, 0.0, 1.0), share))
     }
 }
 
 /// Exposure and a filmic curve: brights roll off to white, darks keep their contrast.
-fn tone(radiance: Vector) -> Vector {
+fn tone(radiance: DVec3) -> DVec3 {
     radiance.map(|c| {
         let c = EXPOSURE * c;
         // The fit of Narkowicz (2016) to the ACES reference curve.

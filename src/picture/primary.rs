@@ -66,11 +66,13 @@ impl<'a> PrimaryRays<'a> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::camera::{Size, View};
 
     fn camera(width: u32, height: u32) -> Camera {
-        let view = View { eye: [0.0, 0.0, 5.0], at: [0.0; 3], up: View::UP, fov: 40.0 };
+        let view = View { eye: DVec3::new(0.0, 0.0, 5.0), at: DVec3::ZERO, up: View::UP, fov: 40.0 };
         Camera::new(&view, Size { width, height }).expect("a camera")
     }
 

@@ -1,27 +1,27 @@
 //! The pixels of a path-traced picture, and the smoothing of what few rays leave noisy.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::PictureError;
 use super::sampling::SAMPLES;
 use super::surface::Surface;
-use super::vector::{Vector, add, dot, mul, scale, sub};
 use crate::camera::Size;
 
 /// What the samples of a pixel saw.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pixel {
-    emitted: Vector,
+    emitted: DVec3,
     /// Reflected of the light if nothing were in between; the mean of the samples, as are `emitted` and `diffuse`.
-    unshadowed: Vector,
-    diffuse: Vector,
+    unshadowed: DVec3,
+    diffuse: DVec3,
     /// What shadow rays found of the light, and what they would have found if nothing were in between.
     light: [f64; 2],
     /// What a white surface would reflect of the light from other surfaces, at the first sample.
-    pub(crate) bounced: Vector,
+    pub(crate) bounced: DVec3,
     /// Of the first sample: a mean over an edge would resemble no neighbour.
-    normal: Vector,
-    point: Vector,
+    normal: DVec3,
+    point: DVec3,
     /// Whether the samples see different surfaces.
     is_edge: bool,
 }
@@ -29,24 +29,24 @@ pub(crate) struct Pixel {
 impl Pixel {
     /// A sample's hit, what a white surface there would reflect of the light if nothing were in between, and what the
     /// shadow ray found of the light and might have found.
-    pub(crate) fn add(&mut self, surface: &Surface, unshadowed: Vector, light: [f64; 2]) {
+    pub(crate) fn add(&mut self, surface: &Surface, unshadowed: DVec3, light: [f64; 2]) {
         let share = 1.0 / SAMPLES as f64;
-        let [diffuse, emission] = [surface.material.diffuse, surface.material.emission].map(|c| c.map(f64::from));
-        let emission = if surface.is_front { emission } else { [0.0; 3] };
-        self.emitted = add(self.emitted, scale(emission, share));
-        self.unshadowed = add(self.unshadowed, scale(mul(diffuse, unshadowed), share));
-        self.diffuse = add(self.diffuse, scale(diffuse, share));
+        let (diffuse, emission) = (surface.material.diffuse.as_dvec3(), surface.material.emission.as_dvec3());
+        let emission = if surface.is_front { emission } else { DVec3::ZERO };
+        self.emitted += emission * share;
+        self.unshadowed += diffuse * unshadowed * share;
+        self.diffuse += diffuse * share;
         self.light = [self.light[0] + light[0], self.light[1] + light[1]];
-        if self.normal == [0.0; 3] {
+        if self.normal == DVec3::ZERO {
             (self.normal, self.point) = (surface.normal, surface.lifted);
         }
         let this = Self { normal: surface.normal, point: surface.lifted, ..Self::default() };
         self.is_edge |= likeness(self, &this) < ALIKE;
     }
 
-    pub(crate) fn radiance(&self) -> Vector {
-        let direct = scale(self.unshadowed, self.visibility());
-        add(self.emitted, add(direct, mul(self.diffuse, self.bounced)))
+    pub(crate) fn radiance(&self) -> DVec3 {
+        let direct = self.unshadowed * self.visibility();
+        self.emitted + (direct + self.diffuse * self.bounced)
     }
 
     /// What share of the light arrives.
@@ -86,18 +86,19 @@ impl Film {
     /// Averages over pixels that see the same smooth surface (Dammertz et al., Edge-Avoiding A-Trous Wavelet Transform,
     /// HPG 2010).
     pub(crate) fn smooth(&mut self) {
+        let bounced = |pixel: &Pixel| pixel.bounced.to_array();
         for pass in 0..BOUNCED_PASSES {
-            self.pass(1 << pass, |pixel| pixel.bounced, |pixel, mean| pixel.bounced = mean, likeness);
+            self.pass(1 << pass, bounced, |pixel, mean| pixel.bounced = mean.into(), likeness);
         }
         // One sample stands for all four on an edge, which makes it ragged: there both sides are mixed.
-        let set_on_edge = |pixel: &mut Pixel, mean| {
+        let set_on_edge = |pixel: &mut Pixel, mean: [f64; 3]| {
             if pixel.is_edge {
-                pixel.bounced = mean;
+                pixel.bounced = mean.into();
             }
         };
-        self.pass(1, |pixel| pixel.bounced, set_on_edge, |_, _| 1.0);
+        self.pass(1, bounced, set_on_edge, |_, _| 1.0);
         let in_penumbra = |a: &Pixel, b: &Pixel| {
-            let brightest = a.unshadowed.iter().fold(0.0, |most: f64, c| most.max(*c));
+            let brightest = a.unshadowed.max_element().max(0.0);
             likeness(a, b) * falloff(brightest * (a.visibility() - b.visibility()) / SHADOW_EDGE)
         };
         for pass in 0..VISIBILITY_PASSES {
@@ -141,8 +142,8 @@ impl Film {
 
 /// 1 for pixels in one plane, towards 0 as their surfaces differ.
 fn likeness(a: &Pixel, b: &Pixel) -> f64 {
-    let facing = dot(a.normal, b.normal).max(0.0).powi(16);
-    facing * falloff(dot(a.normal, sub(b.point, a.point)) / STEP_IN_DEPTH)
+    let facing = a.normal.dot(b.normal).max(0.0).powi(16);
+    facing * falloff(a.normal.dot(b.point - a.point) / STEP_IN_DEPTH)
 }
 
 /// A bell that is 1 at 0 and 0 from 1 on.
@@ -163,10 +164,10 @@ mod tests {
             let [noise, _] = Draws::new(index, 0).point();
             let level = if x < 32 { 1.0 } else { 3.0 };
             Pixel {
-                bounced: [level + noise - 0.5; 3],
+                bounced: DVec3::splat(level + noise - 0.5),
                 light: [if x < 32 { noise } else { 0.0 }, 1.0],
-                unshadowed: [0.1; 3],
-                normal: if x < 32 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] },
+                unshadowed: DVec3::splat(0.1),
+                normal: if x < 32 { DVec3::X } else { DVec3::Z },
                 ..Pixel::default()
             }
         });
@@ -179,7 +180,7 @@ mod tests {
         film.smooth();
         for (index, pixel) in film.pixels.iter().enumerate() {
             let level = if index % 64 < 32 { 1.0 } else { 3.0 };
-            assert!((pixel.bounced[0] - level).abs() < 0.12, "pixel {index}: {} at {level}", pixel.bounced[0]);
+            assert!((pixel.bounced.x - level).abs() < 0.12, "pixel {index}: {} at {level}", pixel.bounced.x);
             let visibility = if index % 64 < 32 { 0.5 } else { 0.0 };
             assert!((pixel.visibility() - visibility).abs() < 0.25, "pixel {index}: {}", pixel.visibility());
         }
@@ -191,7 +192,7 @@ mod tests {
         let edge = 20 * 64 + 31;
         film.pixels[edge].is_edge = true;
         film.smooth();
-        let mixed = film.pixels[edge].bounced[0];
+        let mixed = film.pixels[edge].bounced.x;
         assert!((1.3..2.7).contains(&mixed), "{mixed} is not between 1 and 3");
     }
 }

@@ -1,15 +1,16 @@
 //! What a hit primitive looks like, and where rays that leave it start.
 
+use glam::{DVec3, Vec3};
 use leafwalk::layout::Triangle;
 use leafwalk::{Hit, Octree};
 
-use super::vector::{Vector, add, cross, dot, scale, sub, unit};
+use super::vector::unit;
 use crate::scene::Material;
 
 /// The corners and materials of all primitives, in the caller's units.
 #[derive(Debug)]
 pub(crate) struct Surfaces {
-    corners: Vec<[[f32; 3]; 3]>,
+    corners: Vec<[Vec3; 3]>,
     material_ids: Vec<u32>,
     materials: Vec<Material>,
     /// Edge of the root cube.
@@ -20,9 +21,9 @@ pub(crate) struct Surfaces {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface {
     /// Off the surface, on the side that the ray came from: where rays that leave it start.
-    pub(crate) lifted: Vector,
+    pub(crate) lifted: DVec3,
     /// Unit normal of the triangle, on that side.
-    pub(crate) normal: Vector,
+    pub(crate) normal: DVec3,
     /// Whether that is the side from which the corners stand counter-clockwise.
     pub(crate) is_front: bool,
     pub(crate) material: Material,
@@ -42,9 +43,9 @@ const LIFT_IN_ROOT_EDGES: f64 = 64.0 / (1 << 24) as f64;
 const LIFT_IN_COORDINATES: f64 = 4.0 / (1 << 24) as f64;
 
 /// The point of a triangle lifted to the side of its unit normal.
-pub(crate) fn lift(point: Vector, normal: Vector, root_edge: f64) -> Vector {
-    let largest = point.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
-    add(point, scale(normal, LIFT_IN_ROOT_EDGES * root_edge + LIFT_IN_COORDINATES * largest))
+pub(crate) fn lift(point: DVec3, normal: DVec3, root_edge: f64) -> DVec3 {
+    let largest = point.abs().max_element();
+    point + normal * (LIFT_IN_ROOT_EDGES * root_edge + LIFT_IN_COORDINATES * largest)
 }
 
 impl Surfaces {
@@ -52,10 +53,10 @@ impl Surfaces {
     /// leaves a primitive without, it is neutral.
     pub(crate) fn new<W: AsRef<[u32]>>(octree: &Octree<W>, materials: Vec<Material>) -> Self {
         let parts = octree.parts();
-        let mut corners = vec![[[0.0; 3]; 3]; parts.header.primitives as usize];
+        let mut corners = vec![[Vec3::ZERO; 3]; parts.header.primitives as usize];
         for Triangle { primitive, corners: lattice } in parts.leaves().flat_map(|(_, leaf)| parts.triangles_of(leaf)) {
             if let Some(corners) = corners.get_mut(primitive as usize) {
-                *corners = lattice.map(|corner| parts.frame.to_caller(corner).map(|c| c as f32));
+                *corners = lattice.map(|corner| DVec3::from(parts.frame.to_caller(corner)).as_vec3());
             }
         }
         Self { corners, material_ids: parts.materials.to_vec(), materials, root_edge: parts.frame.scale() }
@@ -67,15 +68,15 @@ impl Surfaces {
 
     /// Where a ray of this direction hit; `None` for a miss.
     pub(crate) fn at(&self, hit: &Hit, direction: [f32; 3]) -> Option<Surface> {
-        let [a, b, c] = self.corners.get(hit.primitive as usize)?.map(|corner| corner.map(f64::from));
-        let (ab, ac) = (sub(b, a), sub(c, a));
-        let direction = direction.map(f64::from);
+        let [a, b, c] = self.corners.get(hit.primitive as usize)?.map(Vec3::as_dvec3);
+        let (ab, ac) = (b - a, c - a);
+        let direction = Vec3::from(direction).as_dvec3();
         // A triangle without area is seen edge-on: any normal towards the viewer serves.
-        let normal = unit(cross(ab, ac)).or_else(|| unit(scale(direction, -1.0)))?;
-        let is_front = dot(normal, direction) <= 0.0;
-        let normal = if is_front { normal } else { scale(normal, -1.0) };
+        let normal = unit(ab.cross(ac)).or_else(|| unit(-direction))?;
+        let is_front = normal.dot(direction) <= 0.0;
+        let normal = if is_front { normal } else { -normal };
         // From the weights, not from t: this point lies in the triangle's plane whatever its distance from the eye.
-        let point = add(a, add(scale(ab, f64::from(hit.u)), scale(ac, f64::from(hit.v))));
+        let point = a + (ab * f64::from(hit.u) + ac * f64::from(hit.v));
         let material = self.material_ids.get(hit.primitive as usize).and_then(|id| self.materials.get(*id as usize));
         Some(Surface {
             lifted: lift(point, normal, self.root_edge),
@@ -92,7 +93,6 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::{Rng, SeedableRng};
 
-    use super::super::vector::{length, tangents};
     use super::*;
 
     const TRIANGLES: usize = 300;
@@ -121,15 +121,15 @@ mod tests {
                 let from = [(); 3].map(|()| uniform());
                 let Some(surface) = surfaces.at(&hit, from) else { continue };
                 // Every other ray leaves along the surface.
-                let [s, t] = tangents(surface.normal);
+                let (s, t) = surface.normal.any_orthonormal_pair();
                 let rise = if ray % 2 == 0 { 0.0 } else { f64::from(uniform().abs()) };
-                let along = add(scale(s, f64::from(uniform())), scale(t, f64::from(uniform())));
-                let direction = add(scale(surface.normal, rise), along);
-                let spawned = Ray::new(surface.lifted.map(|c| c as f32), direction.map(|c| c as f32));
+                let along = s * f64::from(uniform()) + t * f64::from(uniform());
+                let direction = surface.normal * rise + along;
+                let spawned = Ray::new(surface.lifted.as_vec3(), direction.as_vec3());
                 // Rounding may turn a ray along the surface into one that meets it, farther off than any size here.
                 let is_hit = octree.closest_hit(&spawned).is_some_and(|hit| hit.primitive == 0);
-                let leads_away = dot(surface.normal, spawned.direction.map(f64::from)) >= 0.0;
-                hits += usize::from(is_hit && leads_away && length(direction) > 0.0);
+                let leads_away = surface.normal.dot(Vec3::from(spawned.direction).as_dvec3()) >= 0.0;
+                hits += usize::from(is_hit && leads_away && direction.length() > 0.0);
             }
         }
         hits
@@ -162,10 +162,10 @@ mod tests {
         let hit = Hit { t: 1.0, u: 0.25, v: 0.5, primitive: 0 };
         for (z, is_front) in [(-1.0, true), (1.0, false)] {
             let surface = surfaces.at(&hit, [0.0, 0.0, z]).expect("a hit");
-            assert_eq!(surface.normal, [0.0, 0.0, -f64::from(z)]);
+            assert_eq!(surface.normal, DVec3::new(0.0, 0.0, -f64::from(z)));
             assert_eq!((surface.is_front, surface.material), (is_front, red));
-            let offset = sub(surface.lifted, [0.25, 0.5, 0.0]);
-            assert!(dot(offset, surface.normal) > 0.0 && length(offset) < 1e-4, "lifted by {offset:?}");
+            let offset = surface.lifted - DVec3::new(0.25, 0.5, 0.0);
+            assert!(offset.dot(surface.normal) > 0.0 && offset.length() < 1e-4, "lifted by {offset:?}");
         }
         let unknown = surfaces.at(&Hit { primitive: 1, ..hit }, [0.0, 1.0, 0.0]).expect("a hit");
         assert_eq!(unknown.material, Material::NEUTRAL);

@@ -2,19 +2,20 @@
 
 pub(crate) mod shapes;
 
+use glam::{DVec3, Vec3};
 use leafwalk::Mesh;
 
 use crate::camera::View;
-use crate::picture::vector::{Vector, add, cross, dot, length, mix, scale, sub, unit};
+use crate::picture::vector::{mix, unit};
 use shapes::{Shape, bumpy_sphere};
 
 /// How a surface reflects and shines, in linear red, green and blue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Material {
     /// Diffuse reflectance, 0 to 1.
-    pub(crate) diffuse: [f32; 3],
+    pub(crate) diffuse: Vec3,
     /// Emitted radiance.
-    pub(crate) emission: [f32; 3],
+    pub(crate) emission: Vec3,
 }
 
 impl Material {
@@ -22,42 +23,42 @@ impl Material {
     pub(crate) const NEUTRAL: Self = Self::matt(0.6, 0.6, 0.6);
 
     pub(crate) const fn matt(red: f32, green: f32, blue: f32) -> Self {
-        Self { diffuse: [red, green, blue], emission: [0.0; 3] }
+        Self { diffuse: Vec3::new(red, green, blue), emission: Vec3::ZERO }
     }
 }
 
 /// A parallelogram that shines to the side of its normal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Light {
-    pub(crate) corner: Vector,
-    pub(crate) edges: [Vector; 2],
+    pub(crate) corner: DVec3,
+    pub(crate) edges: [DVec3; 2],
     /// Emitted radiance.
-    pub(crate) radiance: Vector,
+    pub(crate) radiance: DVec3,
 }
 
 impl Light {
     /// A point by its coordinates along the edges, each 0 to 1.
-    pub(crate) fn point(&self, [a, b]: [f64; 2]) -> Vector {
-        add(self.corner, add(scale(self.edges[0], a), scale(self.edges[1], b)))
+    pub(crate) fn point(&self, [a, b]: [f64; 2]) -> DVec3 {
+        self.corner + (self.edges[0] * a + self.edges[1] * b)
     }
 
     /// Unit normal, on the side that shines.
-    pub(crate) fn normal(&self) -> Vector {
+    pub(crate) fn normal(&self) -> DVec3 {
         unit(self.spanned()).unwrap_or_default()
     }
 
     pub(crate) fn area(&self) -> f64 {
-        length(self.spanned())
+        self.spanned().length()
     }
 
     /// What share of its radiance a white matt surface reflects when nothing is in between: Lambert's formula for the
     /// form factor of a polygon, 0 to 1.
-    pub(crate) fn form_factor(&self, point: Vector, normal: Vector) -> f64 {
-        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|place| sub(self.point(place), point));
-        if dot(self.normal(), corners[0]) >= 0.0 {
+    pub(crate) fn form_factor(&self, point: DVec3, normal: DVec3) -> f64 {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|place| self.point(place) - point);
+        if self.normal().dot(corners[0]) >= 0.0 {
             return 0.0;
         }
-        let height = corners.map(|corner| dot(normal, corner));
+        let height = corners.map(|corner| normal.dot(corner));
         // The corners above the surface's horizon, and the points where edges cross it.
         let above = (0..4).flat_map(|k| {
             let next = (k + 1) % 4;
@@ -65,20 +66,20 @@ impl Light {
             let crossing = crosses.then(|| mix(corners[k], corners[next], height[k] / (height[k] - height[next])));
             (height[k] > 0.0).then_some(corners[k]).into_iter().chain(crossing)
         });
-        let above: Vec<Vector> = above.filter_map(unit).collect();
+        let above: Vec<DVec3> = above.filter_map(unit).collect();
         let edges = above.iter().zip(above.iter().cycle().skip(1));
         let sum: f64 = edges
             .map(|(a, b)| {
-                let across = cross(*a, *b);
-                let sine = length(across);
-                if sine > 0.0 { sine.atan2(dot(*a, *b)) * dot(normal, across) / sine } else { 0.0 }
+                let across = a.cross(*b);
+                let sine = across.length();
+                if sine > 0.0 { sine.atan2(a.dot(*b)) * normal.dot(across) / sine } else { 0.0 }
             })
             .sum();
         sum.abs() / core::f64::consts::TAU
     }
 
-    fn spanned(&self) -> Vector {
-        cross(self.edges[0], self.edges[1])
+    fn spanned(&self) -> DVec3 {
+        self.edges[0].cross(self.edges[1])
     }
 }
 
@@ -108,7 +109,7 @@ impl Detail {
     pub(crate) const FULL: Self = Self { bumpy: 6, smooth: 5, knot: [640, 72] };
 }
 
-const ROOM: [Vector; 2] = [[-1.35, 0.0, -1.3], [1.35, 2.0, 2.6]];
+const ROOM: [DVec3; 2] = [DVec3::new(-1.35, 0.0, -1.3), DVec3::new(1.35, 2.0, 2.6)];
 /// Shapes rest this far above what carries them, so that no surfaces touch.
 const GAP: f64 = 1e-3;
 
@@ -124,24 +125,24 @@ impl Scene {
     /// The room and what stands in it.
     pub(crate) fn room(detail: Detail) -> Self {
         let light = Light {
-            corner: [-0.42, ROOM[1][1] - 5.0 * GAP, -0.6],
-            edges: [[0.84, 0.0, 0.0], [0.0, 0.0, 0.84]],
-            radiance: [15.0, 13.2, 10.8],
+            corner: DVec3::new(-0.42, ROOM[1].y - 5.0 * GAP, -0.6),
+            edges: [0.84 * DVec3::X, 0.84 * DVec3::Z],
+            radiance: DVec3::new(15.0, 13.2, 10.8),
         };
         let mut scene = Self {
             mesh: Mesh::default(),
             materials: Vec::new(),
             light,
-            view: View { eye: [0.0, 1.06, 2.55], at: [0.0, 0.93, 0.0], up: View::UP, fov: 48.0 },
+            view: View { eye: DVec3::new(0.0, 1.06, 2.55), at: DVec3::new(0.0, 0.93, 0.0), up: View::UP, fov: 48.0 },
         };
         scene.add_walls();
-        let shine = Material { diffuse: [0.0; 3], emission: light.radiance.map(|c| c as f32) };
+        let shine = Material { diffuse: Vec3::ZERO, emission: light.radiance.as_vec3() };
         scene.add(Shape::quad(light.corner, light.edges[0], light.edges[1]), shine);
 
-        let (floor, pillar, pillar_at) = (ROOM[0][1] + GAP, [0.31, 0.37, 0.31], [-0.64, -0.5]);
+        let (floor, pillar, pillar_at) = (ROOM[0].y + GAP, DVec3::new(0.31, 0.37, 0.31), [-0.64, -0.5]);
         scene.add(Shape::block(pillar).turned(24.0).standing(pillar_at, floor), STONE);
         let ball = Shape::icosphere(detail.smooth).scaled(0.29);
-        scene.add(ball.standing(pillar_at, floor + 2.0 * pillar[1] + GAP), GOLD);
+        scene.add(ball.standing(pillar_at, floor + 2.0 * pillar.y + GAP), GOLD);
 
         let [segments, sides] = detail.knot;
         let knot = Shape::torus_knot(2, 3, 0.42, segments, sides).scaled(0.185);
@@ -153,14 +154,14 @@ impl Scene {
     }
 
     fn add_walls(&mut self) {
-        let [[left, floor, back], [right, ceiling, front]] = ROOM;
-        let (width, height, depth) = ([right - left, 0.0, 0.0], [0.0, ceiling - floor, 0.0], [0.0, 0.0, front - back]);
-        self.add(Shape::quad([left, floor, back], depth, width), WHITE);
-        self.add(Shape::quad([left, ceiling, back], width, depth), WHITE);
-        self.add(Shape::quad([left, floor, back], width, height), WHITE);
-        self.add(Shape::quad([left, floor, front], height, width), WHITE);
-        self.add(Shape::quad([left, floor, back], height, depth), RED);
-        self.add(Shape::quad([right, floor, back], depth, height), GREEN);
+        let [lower, upper] = ROOM;
+        let [width, height, depth] = DVec3::AXES.map(|axis| axis * (upper - lower));
+        self.add(Shape::quad(lower, depth, width), WHITE);
+        self.add(Shape::quad(lower.with_y(upper.y), width, depth), WHITE);
+        self.add(Shape::quad(lower, width, height), WHITE);
+        self.add(Shape::quad(lower.with_z(upper.z), height, width), WHITE);
+        self.add(Shape::quad(lower, height, depth), RED);
+        self.add(Shape::quad(lower.with_x(upper.x), depth, height), GREEN);
     }
 
     fn add(&mut self, shape: Shape, material: Material) {
@@ -169,7 +170,7 @@ impl Scene {
             self.materials.len() - 1
         });
         let first = self.mesh.positions.len() as u32;
-        self.mesh.positions.extend(shape.positions.iter().map(|position| position.map(|c| c as f32)));
+        self.mesh.positions.extend(shape.positions.iter().map(|position| position.as_vec3().to_array()));
         self.mesh.triangles.extend(shape.triangles.iter().map(|corners| corners.map(|corner| first + corner)));
         self.mesh.material_ids.resize(self.mesh.triangles.len(), id as u32);
     }
@@ -187,24 +188,25 @@ mod tests {
 
     #[test]
     fn the_form_factor_is_that_of_the_part_above_the_horizon() {
-        let light = Light { corner: [-1.0, 1.0, -2.0], edges: [[2.0, 0.0, 0.0], [0.0, 0.0, 4.0]], radiance: [1.0; 3] };
-        assert_eq!((light.normal(), light.area()), ([0.0, -1.0, 0.0], 8.0));
-        let facing = light.form_factor([0.0; 3], [0.0, 1.0, 0.0]);
+        let edges = [2.0 * DVec3::X, 4.0 * DVec3::Z];
+        let light = Light { corner: DVec3::new(-1.0, 1.0, -2.0), edges, radiance: DVec3::ONE };
+        assert_eq!((light.normal(), light.area()), (DVec3::NEG_Y, 8.0));
+        let facing = light.form_factor(DVec3::ZERO, DVec3::Y);
         assert!((facing - 4.0 * corner_form_factor(1.0, 2.0)).abs() < 1e-12, "{facing}");
-        assert_eq!(light.form_factor([0.0; 3], [0.0, -1.0, 0.0]), 0.0);
-        assert_eq!(light.form_factor([0.0, 1.5, 0.0], [0.0, -1.0, 0.0]), 0.0, "behind the light");
+        assert_eq!(light.form_factor(DVec3::ZERO, DVec3::NEG_Y), 0.0);
+        assert_eq!(light.form_factor(1.5 * DVec3::Y, DVec3::NEG_Y), 0.0, "behind the light");
 
         // A tilted surface, whose horizon cuts the light in two: summed over small patches.
-        let normal = unit([0.9, 0.2, 0.3]).expect("a direction");
+        let normal = unit(DVec3::new(0.9, 0.2, 0.3)).expect("a direction");
         let steps = 400;
         let patches = (0..steps * steps).map(|patch| {
             let place = [patch % steps, patch / steps].map(|c| (f64::from(c) + 0.5) / f64::from(steps));
             let to_light = light.point(place);
-            let cosines = dot(normal, to_light).max(0.0) * to_light[1];
-            cosines / (core::f64::consts::PI * dot(to_light, to_light).powi(2))
+            let cosines = normal.dot(to_light).max(0.0) * to_light.y;
+            cosines / (core::f64::consts::PI * to_light.length_squared().powi(2))
         });
         let summed = patches.sum::<f64>() * light.area() / f64::from(steps * steps);
-        let exact = light.form_factor([0.0; 3], normal);
+        let exact = light.form_factor(DVec3::ZERO, normal);
         assert!((exact - summed).abs() < 1e-4, "{exact}, summed {summed}");
     }
 
@@ -220,16 +222,15 @@ mod tests {
             let id = scene.materials.iter().position(|known| known == material).expect("a material in use") as u32;
             let primitives = (0..mesh.triangles.len()).filter(|primitive| mesh.material_ids[*primitive] == id);
             let corners = primitives.flat_map(|primitive| mesh.corners(primitive));
-            corners.fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(lower, upper), corner| {
-                let lower = core::array::from_fn(|k| corner[k].min(lower[k]));
-                (lower, core::array::from_fn(|k| corner[k].max(upper[k])))
+            corners.map(Vec3::from).fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lower, upper), corner| {
+                (lower.min(corner), upper.max(corner))
             })
         };
         let shapes = [CLAY, TEAL, GOLD, STONE].map(|material| bounds_of(&material));
         for (k, a) in shapes.iter().enumerate() {
-            assert!((0..3).all(|axis| f64::from(a.0[axis]) > ROOM[0][axis] && f64::from(a.1[axis]) < ROOM[1][axis]));
+            assert!(a.0.as_dvec3().cmpgt(ROOM[0]).all() && a.1.as_dvec3().cmplt(ROOM[1]).all());
             for b in &shapes[..k] {
-                assert!((0..3).any(|axis| a.0[axis] > b.1[axis] || b.0[axis] > a.1[axis]), "{a:?} meets {b:?}");
+                assert!((a.0.cmpgt(b.1) | b.0.cmpgt(a.1)).any(), "{a:?} meets {b:?}");
             }
         }
     }
