@@ -3,6 +3,7 @@
 use core::ops::Range;
 use std::collections::HashMap;
 
+use glam::Vec3;
 use leafwalk_cpu::Mesh;
 
 use super::random::Random;
@@ -10,31 +11,31 @@ use super::random::Random;
 /// An icosahedron with every triangle split into four, `levels` times, on the unit sphere.
 pub fn icosphere(levels: u32) -> Mesh {
     let g = 0.5 * (1.0 + 5f32.sqrt());
-    let mut positions: Vec<[f32; 3]> = Vec::new();
+    let mut positions: Vec<Vec3> = Vec::new();
     for (a, b) in [(-1.0, g), (1.0, g), (-1.0, -g), (1.0, -g)] {
-        positions.extend([[a, b, 0.0], [0.0, a, b], [b, 0.0, a]]);
+        positions.extend([[a, b, 0.0], [0.0, a, b], [b, 0.0, a]].map(Vec3::from));
     }
     // Faces: triples at mutual distance 2, turned outward.
-    let near = |a: [f32; 3], b: [f32; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f32>() < 4.1;
+    let near = |a: Vec3, b: Vec3| a.distance_squared(b) < 4.1;
     let mut triangles = Vec::new();
     for a in 0..12 {
         for b in a + 1..12 {
             for c in b + 1..12 {
                 let [p, q, r] = [a, b, c].map(|i| positions[i]);
                 if near(p, q) && near(q, r) && near(r, p) {
-                    let is_outward = dot(cross(sub(q, p), sub(r, p)), p) > 0.0;
+                    let is_outward = (q - p).cross(r - p).dot(p) > 0.0;
                     triangles.push(if is_outward { [a, b, c] } else { [a, c, b] }.map(|i| i as u32));
                 }
             }
         }
     }
-    let mut mesh = Mesh::new(positions, triangles);
+    let mut mesh = Mesh::new(positions.iter().map(Vec3::to_array).collect(), triangles);
     for _ in 0..levels {
         mesh = split_in_four(&mesh);
     }
     for p in &mut mesh.positions {
-        let length = dot(*p, *p).sqrt();
-        *p = p.map(|c| c / length);
+        let vector = Vec3::from(*p);
+        *p = (vector / vector.length()).to_array();
     }
     mesh
 }
@@ -46,10 +47,10 @@ fn split_in_four(mesh: &Mesh) -> Mesh {
     for &[a, b, c] in &mesh.triangles {
         let mut middle = |a: u32, b: u32| {
             *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                let (p, q) = (positions[a as usize], positions[b as usize]);
-                let m: [f32; 3] = core::array::from_fn(|k| 0.5 * (p[k] + q[k]));
-                let scale = (dot(p, p) / dot(m, m)).sqrt();
-                positions.push(m.map(|c| c * scale));
+                let [p, q] = [a, b].map(|corner| Vec3::from(positions[corner as usize]));
+                let m = 0.5 * (p + q);
+                let scale = (p.length_squared() / m.length_squared()).sqrt();
+                positions.push((m * scale).to_array());
                 positions.len() as u32 - 1
             })
         };
@@ -244,16 +245,4 @@ impl Builder {
     fn mesh(self) -> Mesh {
         Mesh::new(self.positions, self.triangles)
     }
-}
-
-pub(crate) fn sub(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    core::array::from_fn(|k| a[k] - b[k])
-}
-
-pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    (0..3).map(|k| a[k] * b[k]).sum()
-}
-
-pub(crate) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    core::array::from_fn(|k| a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
 }

@@ -1,9 +1,9 @@
 //! Rays: random ones, and those aimed where methods fail.
 
+use glam::Vec3;
 use leafwalk_core::{Aabb, Octree, Ray};
 use leafwalk_cpu::Mesh;
 
-use super::meshes::sub;
 use super::random::Random;
 
 /// Centre and largest extent of a mesh.
@@ -40,7 +40,7 @@ pub fn point_on(mesh: &Mesh, target: Target, random: &mut Random) -> [f32; 3] {
 
 /// A ray from `origin` through `point`.
 pub fn towards(origin: [f32; 3], point: [f32; 3]) -> Ray {
-    Ray::new(origin, sub(point, origin))
+    Ray::new(origin, Vec3::from(point) - Vec3::from(origin))
 }
 
 /// A hard ray of a mesh: every kind of origin, aim and limit that a method could fail at. Never of direction zero.
@@ -82,7 +82,7 @@ pub fn hard(mesh: &Mesh, centre: [f32; 3], size: f32, random: &mut Random) -> Ra
             let w = random.unit();
             core::array::from_fn(|k| b[k] + w * (c[k] - b[k]) - origin[k])
         }
-        _ => sub(point_on(mesh, target, random), origin),
+        _ => (Vec3::from(point_on(mesh, target, random)) - Vec3::from(origin)).to_array(),
     };
     if random.below(3) == 0 {
         direction = direction.map(|c| random.nudge(c));
@@ -125,35 +125,34 @@ impl Shared {
 pub fn coherent(shares: Shared, mesh: &Mesh, centre: [f32; 3], size: f32, random: &mut Random) -> Ray {
     let mut run = random.of_run(RUN);
     let reach = [0.5, 0.5, 1.0, 1.4][run.below(4)] * size;
-    let v = run.vector();
-    let mut shared: [f32; 3] = core::array::from_fn(|k| centre[k] + reach * v[k]);
+    let mut shared = Vec3::from(centre) + reach * Vec3::from(run.vector());
     let first = run.below(mesh.triangles.len());
     if run.below(8) == 0 {
-        shared = mesh.corners(run.below(mesh.triangles.len()))[0];
+        shared = mesh.corners(run.below(mesh.triangles.len()))[0].into();
     }
     let spread = 0.02 * size * run.unit();
-    let corners = mesh.corners((first + random.below(6)) % mesh.triangles.len());
+    let corners = mesh.corners((first + random.below(6)) % mesh.triangles.len()).map(Vec3::from);
     let (from, to) = (corners[random.below(3)], corners[random.below(3)]);
     let w = if random.below(2) == 0 { 0.0 } else { random.unit() };
-    let target: [f32; 3] = core::array::from_fn(|k| from[k] + w * (to[k] - from[k]));
-    let (origin, mut direction, t_max) = match shares {
-        Shared::Origin => (shared, sub(target, shared), f32::INFINITY),
+    let target = from + w * (to - from);
+    let (origin, direction, t_max) = match shares {
+        Shared::Origin => (shared, target - shared, f32::INFINITY),
         // Through the target, from close behind it.
         Shared::End => {
-            let origin = core::array::from_fn(|k| target[k] + 0.1 * (target[k] - shared[k]));
-            (origin, sub(shared, origin), 1.0)
+            let origin = target + 0.1 * (target - shared);
+            (origin, shared - origin, 1.0)
         }
         Shared::Nothing => {
-            let jitter = random.vector();
-            let origin = core::array::from_fn(|k| shared[k] + spread * jitter[k]);
-            (origin, sub(target, origin), f32::INFINITY)
+            let origin = shared + spread * Vec3::from(random.vector());
+            (origin, target - origin, f32::INFINITY)
         }
         Shared::Eights => {
-            let (apart, aim) = (random.of_run(8).vector(), mesh.corners(first)[run.below(3)]);
-            let origin = core::array::from_fn(|k| shared[k] + 0.03 * size * apart[k]);
-            (origin, sub(aim, if random.below(4) == 0 { shared } else { origin }), f32::INFINITY)
+            let [apart, aim] = [random.of_run(8).vector(), mesh.corners(first)[run.below(3)]].map(Vec3::from);
+            let origin = shared + 0.03 * size * apart;
+            (origin, aim - if random.below(4) == 0 { shared } else { origin }, f32::INFINITY)
         }
     };
+    let mut direction = direction.to_array();
     if random.below(2) == 0 {
         direction = direction.map(|c| random.nudge(c));
     }

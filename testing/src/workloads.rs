@@ -1,10 +1,10 @@
 //! The four kinds of rays that benches measure with: primary rays (P), shadow rays (S), diffuse bounces (D) and random
 //! chords (R).
 
+use glam::Vec3;
 use leafwalk_core::{Aabb, Hit, Octree, Ray, Tracer};
 use leafwalk_cpu::{CpuTracer, Mesh};
 
-use super::meshes::{cross, dot, sub};
 use super::random::Random;
 use super::rays;
 
@@ -31,7 +31,7 @@ pub fn all<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &Mesh, inside: bool, side:
     };
     // Inside under the ceiling; outside above the scene and beside the camera, so that it lights what the camera sees.
     let light = point(&bounds, if inside { [0.5, 0.95, 0.5] } else { [1.5, 1.6, 0.8] });
-    let towards_light = |(p, _): ([f32; 3], [f32; 3])| Ray::between(p, sub(light, p), 0.0, 1.0);
+    let towards_light = |(p, _): (Vec3, Vec3)| Ray::between(p, Vec3::from(light) - p, 0.0, 1.0);
     let shadow = (0..primary.len()).filter_map(surface).map(towards_light).collect();
     let bounce = (0..primary.len())
         .filter_map(|i| surface(i).map(|(p, n)| Ray::new(p, cosine(n, &mut Random::new(11, i as u64)))))
@@ -63,26 +63,24 @@ fn panorama(bounds: &Aabb, side: u32) -> Vec<Ray> {
 }
 
 /// The hit point, lifted off the surface towards the ray's origin, and the normal on that side.
-fn lifted(mesh: &Mesh, ray: &Ray, hit: &Hit) -> ([f32; 3], [f32; 3]) {
-    let [a, b, c] = mesh.corners(hit.primitive as usize);
-    let mut n = cross(sub(b, a), sub(c, a));
-    if dot(n, ray.direction) > 0.0 {
-        n = n.map(|c| -c);
+fn lifted(mesh: &Mesh, ray: &Ray, hit: &Hit) -> (Vec3, Vec3) {
+    let [a, b, c] = mesh.corners(hit.primitive as usize).map(Vec3::from);
+    let mut n = (b - a).cross(c - a);
+    if n.dot(ray.direction.into()) > 0.0 {
+        n = -n;
     }
-    let length = dot(n, n).sqrt().max(f32::MIN_POSITIVE);
-    let n = n.map(|c| c / length);
-    let p: [f32; 3] = core::array::from_fn(|k| a[k] + hit.u * (b[k] - a[k]) + hit.v * (c[k] - a[k]));
-    let reach = p.iter().fold(0f32, |most, c| most.max(c.abs())) * 1e-5;
-    (core::array::from_fn(|k| p[k] + reach * n[k]), n)
+    let n = n / n.length().max(f32::MIN_POSITIVE);
+    let p = a + hit.u * (b - a) + hit.v * (c - a);
+    let reach = p.abs().max_element() * 1e-5;
+    (p + reach * n, n)
 }
 
-fn cosine(n: [f32; 3], random: &mut Random) -> [f32; 3] {
+fn cosine(n: Vec3, random: &mut Random) -> Vec3 {
     loop {
-        let v = random.vector();
-        let squared = dot(v, v);
+        let v = Vec3::from(random.vector());
+        let squared = v.length_squared();
         if squared > 1e-4 && squared <= 1.0 {
-            let scale = 0.999 / squared.sqrt();
-            return core::array::from_fn(|k| n[k] + scale * v[k]);
+            return n + 0.999 / squared.sqrt() * v;
         }
     }
 }
@@ -92,10 +90,9 @@ fn chord(bounds: &Aabb, random: &mut Random) -> Ray {
     let centre = point(bounds, [0.5; 3]);
     let radius = 0.5 * (0..3).map(|k| (bounds.upper[k] - bounds.lower[k]).powi(2)).sum::<f64>().sqrt() as f32;
     let mut on_sphere = || {
-        let v = random.direction();
-        let scale = radius / dot(v, v).sqrt();
-        core::array::from_fn(|k| centre[k] + scale * v[k])
+        let v = Vec3::from(random.direction());
+        Vec3::from(centre) + radius / v.length() * v
     };
-    let (a, b): ([f32; 3], [f32; 3]) = (on_sphere(), on_sphere());
-    Ray::new(a, sub(b, a))
+    let (a, b) = (on_sphere(), on_sphere());
+    Ray::new(a, b - a)
 }
