@@ -1,4 +1,4 @@
-//! Octrees in files: the words, little-endian.
+//! Files of octrees, which hold the octree's words in little-endian order.
 
 use core::fmt;
 use std::fs::File;
@@ -55,7 +55,7 @@ impl core::error::Error for FileError {
 /// # Errors
 /// [`FileError`]. Not more is read than the file's first words announce, so a file that is something else, however
 /// large, costs neither time nor memory.
-pub fn load(path: impl AsRef<Path>) -> Result<Octree<Vec<u32>>, FileError> {
+pub fn load_octree(path: impl AsRef<Path>) -> Result<Octree<Vec<u32>>, FileError> {
     let path = path.as_ref();
     let io_error = |source| FileError::Io { path: path.to_owned(), source };
     let decode_error = |source| FileError::Decode { path: path.to_owned(), source };
@@ -114,7 +114,7 @@ fn read_full(file: &mut File, buffer: &mut [u8]) -> io::Result<usize> {
 ///
 /// # Errors
 /// [`FileError::Io`].
-pub fn save<W: AsRef<[u32]>>(octree: &Octree<W>, path: impl AsRef<Path>) -> Result<(), FileError> {
+pub fn save_octree<W: AsRef<[u32]>>(octree: &Octree<W>, path: impl AsRef<Path>) -> Result<(), FileError> {
     let path = path.as_ref();
     let written = OutputFile::create(path).and_then(|mut file| {
         file.write(|writer| write_octree(octree, writer))?;
@@ -123,11 +123,11 @@ pub fn save<W: AsRef<[u32]>>(octree: &Octree<W>, path: impl AsRef<Path>) -> Resu
     written.map_err(|source| FileError::Io { path: path.to_owned(), source })
 }
 
-/// Writes what an octree's file holds.
+/// Writes the bytes of an octree's file, for those who keep them elsewhere than in a file.
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write_octree<W: AsRef<[u32]>>(octree: &Octree<W>, writer: &mut dyn Write) -> io::Result<()> {
+pub fn write_octree<W: AsRef<[u32]>>(octree: &Octree<W>, mut writer: impl Write) -> io::Result<()> {
     let mut chunk = Vec::new();
     octree.as_words().chunks(CHUNK_WORDS).try_for_each(|words| {
         chunk.clear();

@@ -49,11 +49,12 @@ fn any_ray_is_answered_as_by_brute_force() {
 #[test]
 #[cfg(feature = "mesh-files")]
 fn any_file_reads_or_says_why_not() {
-    use leafwalk::mesh_file::{Limits, load_with};
+    use leafwalk::load_mesh_with_limits;
+    use leafwalk::mesh_file::Limits;
     use leafwalk_testing::properties::mesh_file::{self, MAX_BYTES, MAX_LINE};
 
     let limits = Limits { max_bytes: MAX_BYTES, max_line: MAX_LINE };
-    let load = |path: &Path| load_with(path, &limits).map(|file| (file.mesh, file.materials.len()));
+    let load = |path: &Path| load_mesh_with_limits(path, &limits).map(|file| (file.mesh, file.materials.len()));
     for extension in ["obj", "ply", "stl"] {
         let saved = saved(extension);
         let read = saved.iter().filter(|bytes| mesh_file::check(extension, bytes, load)).count();

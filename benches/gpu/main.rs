@@ -118,7 +118,7 @@ fn all_scenes(arguments: &Arguments) -> Vec<(String, Mesh, bool)> {
         return vec![("bumpy sphere".into(), meshes::bumpy_sphere(6, 1), false)];
     }
     let load = |(path, inside): (PathBuf, bool)| {
-        let loaded = leafwalk::mesh_file::load(&path);
+        let loaded = leafwalk::load_mesh(&path);
         let mesh = loaded.unwrap_or_else(|error| fail(&format!("{}: {error}", path.display()))).mesh;
         (name_of(&path), mesh, inside)
     };

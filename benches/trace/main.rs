@@ -125,7 +125,7 @@ fn scenes(names: &[String]) -> Vec<(String, Mesh, bool)> {
         .filter(|(_, file, _)| names.is_empty() || names.iter().any(|name| file.starts_with(name)))
         .filter_map(|(name, file, inside)| {
             let path = leafwalk_testing::scenes::real(file, name)?;
-            let mesh = leafwalk::mesh_file::load(&path).expect("a readable scene").mesh;
+            let mesh = leafwalk::load_mesh(&path).expect("a readable scene").mesh;
             Some((name.to_string(), mesh, inside))
         })
         .collect();

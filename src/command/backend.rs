@@ -178,11 +178,12 @@ impl fmt::Display for BackendError {
 }
 
 impl core::error::Error for BackendError {
+    /// The text of an error here is that of the one it holds, so what caused that one is next.
     fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
         match self {
-            Self::Lengths(source) => Some(source),
+            Self::Lengths(error) => error.source(),
             #[cfg(feature = "gpu")]
-            Self::Gpu(source) => Some(source),
+            Self::Gpu(error) => error.source(),
         }
     }
 }

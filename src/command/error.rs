@@ -93,7 +93,24 @@ impl fmt::Display for CommandError {
     }
 }
 
-impl core::error::Error for CommandError {}
+impl core::error::Error for CommandError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            // Their text is that of the error they hold, so what caused that one is next.
+            Self::Mesh(error) => error.source(),
+            Self::Build(error) => error.source(),
+            Self::File(error) => error.source(),
+            Self::Trace(error) => error.source(),
+            Self::Camera(error) => error.source(),
+            Self::Verify { source, .. } => Some(source),
+            Self::Rays { source, .. } => Some(source),
+            Self::Write { source, .. } | Self::Stdout(source) => Some(source),
+            Self::Threads(source) => Some(source),
+            Self::Signals(source) => Some(source),
+            Self::Usage(_) | Self::Picture { .. } | Self::Overwrite { .. } | Self::Cancelled => None,
+        }
+    }
+}
 
 impl From<MeshError> for CommandError {
     fn from(source: MeshError) -> Self {
@@ -144,5 +161,30 @@ where
             PictureError::OutOfMemory { size } => Self::Picture { size },
             PictureError::Cancelled => Self::Cancelled,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use core::error::Error;
+
+    use super::*;
+
+    #[test]
+    fn errors_lead_to_what_the_system_said() {
+        let denied = || io::Error::from(io::ErrorKind::PermissionDenied);
+        let path = || PathBuf::from("a.lwk");
+        let errors: [CommandError; 4] = [
+            FileError::Io { path: path(), source: denied() }.into(),
+            MeshError::Io { path: path(), source: denied() }.into(),
+            CommandError::Rays { path: path(), source: denied().into() },
+            CommandError::Write { path: path(), source: denied() },
+        ];
+        for error in errors {
+            let chain = core::iter::successors(error.source(), |error| (*error).source());
+            let last = chain.last().and_then(|last| last.downcast_ref::<io::Error>());
+            assert_eq!(last.map(io::Error::kind), Some(io::ErrorKind::PermissionDenied), "{error}");
+        }
+        assert!(CommandError::Usage("wrong").source().is_none());
     }
 }

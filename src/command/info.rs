@@ -30,7 +30,7 @@ const VERSION_WORD: usize = 1;
 const WORD_BYTES: u64 = 4;
 
 pub(crate) fn run(args: &InfoArgs, context: &Context) -> Result<(), CommandError> {
-    let octree = leafwalk::load(&args.octree)?;
+    let octree = leafwalk::load_octree(&args.octree)?;
     let mut report = Report::new();
     report.add_octree(&octree);
     add_leaves(&mut report, &octree);

@@ -4,7 +4,7 @@ use core::time::Duration;
 use std::path::Path;
 use std::time::Instant;
 
-use leafwalk::mesh_file::{self, MeshFile};
+use leafwalk::mesh_file::MeshFile;
 use leafwalk::{Builder, Octree};
 
 use super::context::Context;
@@ -37,7 +37,7 @@ pub(crate) fn is_octree(path: &Path) -> bool {
 /// Loads `FILE.lwk`, or builds an octree of any other file with the builder's settings.
 pub(crate) fn open(path: &Path, builder: &Builder, context: &Context) -> Result<Input, CommandError> {
     if is_octree(path) {
-        Ok(Input { octree: leafwalk::load(path)?, built: None })
+        Ok(Input { octree: leafwalk::load_octree(path)?, built: None })
     } else {
         let mesh = load_mesh(path, context)?;
         let (octree, time) = build(builder, &mesh, context)?;
@@ -47,7 +47,7 @@ pub(crate) fn open(path: &Path, builder: &Builder, context: &Context) -> Result<
 
 /// Reads a mesh and warns of what was left out.
 pub(crate) fn load_mesh(path: &Path, context: &Context) -> Result<MeshFile, CommandError> {
-    let file = mesh_file::load(path)?;
+    let file = leafwalk::load_mesh(path)?;
     for library in &file.missing_libraries {
         context.warn(&format!("{}: {} is missing; its materials are grey", path.display(), library.display()));
     }

@@ -27,7 +27,7 @@ Examples:
   leafwalk verify bunny.lwk bunny.ply && echo as built";
 
 pub(crate) fn run(args: &VerifyArgs, context: &Context) -> Result<(), CommandError> {
-    let octree = leafwalk::load(&args.octree)?;
+    let octree = leafwalk::load_octree(&args.octree)?;
     let verified = match &args.mesh {
         None => leafwalk::verify(&octree),
         Some(path) => leafwalk::verify_against(&octree, &input::load_mesh(path, context)?.mesh),

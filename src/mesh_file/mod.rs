@@ -1,6 +1,6 @@
-//! Reading triangle meshes from OBJ (with MTL), PLY and STL files, each also gzipped.
+//! Triangle meshes in OBJ (with MTL), PLY and STL files, each also gzipped.
 //!
-//! [`load`] chooses the format by the file's extension (`.obj`, `.ply`, `.stl`, in any case, with or without a `.gz`
+//! [`load_mesh`](crate::load_mesh) chooses the format by the file's extension (`.obj`, `.ply`, `.stl`, in any case, with or without a `.gz`
 //! after it) and answers with a [`MeshFile`]: triangles in the order of the file's faces, polygons split into fans,
 //! and a material for each triangle where the file names some. Bad input is a [`MeshError`] that names the file and
 //! the place; it never panics, and memory grows only with bytes that were really read.
@@ -10,6 +10,7 @@
 
 mod error;
 mod lines;
+pub(crate) mod load;
 mod mtl;
 mod obj;
 mod ply;
@@ -17,12 +18,11 @@ mod polygon;
 mod source;
 mod stl;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 pub use error::MeshError;
 
 use crate::Mesh;
-use source::Source;
 
 /// What a mesh file held.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -75,28 +75,4 @@ impl Default for Limits {
     fn default() -> Self {
         Self { max_bytes: 8 << 30, max_line: 16 << 20 }
     }
-}
-
-/// Reads a mesh file under the default [`Limits`].
-///
-/// # Errors
-/// [`MeshError`], when the file cannot be read or does not hold a mesh.
-pub fn load(path: &Path) -> Result<MeshFile, MeshError> {
-    load_with(path, &Limits::default())
-}
-
-/// Reads a mesh file.
-///
-/// # Errors
-/// [`MeshError`], when the file cannot be read, does not hold a mesh, or goes beyond `limits`.
-pub fn load_with(path: &Path, limits: &Limits) -> Result<MeshFile, MeshError> {
-    let name = if source::is_named_gzip(path) { path.with_extension("") } else { path.to_owned() };
-    let extension = name.extension().map(|extension| extension.to_ascii_lowercase());
-    let read = match extension.as_ref().and_then(|extension| extension.to_str()) {
-        Some("obj") => obj::read,
-        Some("ply") => ply::read,
-        Some("stl") => stl::read,
-        _ => return Err(MeshError::UnknownFormat { path: path.to_owned() }),
-    };
-    read(Source::open(path, limits)?)
 }

@@ -3,7 +3,7 @@
 //! Pictures are traced by a tracer that may go another way and is faster. Its work is not counted, so what a report
 //! says of cells and blocks is that of the walk, over all primary rays or a sample of them.
 
-use leafwalk::{Hit, Octree, Ray, Work};
+use leafwalk::{Hit, Octree, Ray, Walk, Work};
 use rayon::prelude::*;
 
 use super::primary::PrimaryRays;
@@ -40,11 +40,13 @@ impl Walked {
 
 /// The closest hit of each ray and the work of the walk to it, on all threads.
 pub(crate) fn closest_hits_with_work<W: AsRef<[u32]> + Sync>(octree: &Octree<W>, rays: &[Ray]) -> Vec<(Hit, Work)> {
-    let walk = |ray: &Ray| {
-        let (hit, work) = octree.closest_hit_with_work(ray);
+    let parts = octree.parts();
+    let walk = Walk::new(&parts);
+    let answer = |ray: &Ray| {
+        let (hit, work) = walk.closest_hit_with_work(ray);
         (hit.unwrap_or(Hit::MISS), work)
     };
-    rays.par_iter().map(walk).collect()
+    rays.par_iter().map(answer).collect()
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ fn a_mesh_is_built_looked_into_verified_and_traced() {
     assert_eq!(built["bytes"], bytes);
     assert_eq!(built["bytes_per_triangle"], bytes as f64 / mesh.triangles.len() as f64);
     assert!(built["build_seconds"].as_f64().is_some_and(|seconds| seconds > 0.0));
-    let loaded = leafwalk::load(shell.path("sphere.lwk")).expect("a file that was just built");
+    let loaded = leafwalk::load_octree(shell.path("sphere.lwk")).expect("a file that was just built");
     assert!(loaded.as_words() == octree.as_words(), "the file holds other words than the library builds");
 
     let info = shell.json("info sphere.lwk");
@@ -157,7 +157,7 @@ fn damaged_files_are_refused() {
         uses(name).iter().for_each(|arguments| shell.assert_fails(arguments, reason));
     }
     // With a true checksum it is the validation that notices.
-    let mut words = leafwalk::load(shell.path("sphere.lwk")).expect("the whole file").into_words();
+    let mut words = leafwalk::load_octree(shell.path("sphere.lwk")).expect("the whole file").into_words();
     let records = Octree::from_words(words.as_slice()).expect("a whole octree").span(Section::Records).0;
     words[records as usize + 1] ^= 1;
     words[3] = checksum(&words);
@@ -341,7 +341,7 @@ fn real_scenes_go_through_every_command() {
             verified["triangles"].as_u64().zip(built["dropped"].as_u64()).map(|(kept, dropped)| kept + dropped);
         assert_eq!(counted, built["triangles"].as_u64(), "{scene}");
 
-        let octree = leafwalk::load(shell.path("scene.lwk")).expect("a file that was just verified");
+        let octree = leafwalk::load_octree(shell.path("scene.lwk")).expect("a file that was just verified");
         let rays = leafwalk_testing::rays::primary(&octree.bounds(), 32);
         let row = |ray: &leafwalk::Ray| {
             let [[x, y, z], [dx, dy, dz]] = [ray.origin, ray.direction];

@@ -43,7 +43,7 @@ fn ray(row: &[f64]) -> Ray {
 fn sphere() -> (Shell, Octree<Vec<u32>>) {
     let shell = shell();
     let octree = Builder::new().build(&bumpy_sphere(3, 1)).expect("a mesh that can be built");
-    leafwalk::save(&octree, shell.path("sphere.lwk")).expect("a folder of ours");
+    leafwalk::save_octree(&octree, shell.path("sphere.lwk")).expect("a folder of ours");
     (shell, octree)
 }
 

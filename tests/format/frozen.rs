@@ -43,7 +43,7 @@ fn all() -> [Frozen; 3] {
 
 fn load(name: &str) -> Octree<Vec<u32>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/format/version_1");
-    leafwalk::load(folder.join(name).with_extension("lwk")).unwrap_or_else(|error| panic!("{name}: {error}"))
+    leafwalk::load_octree(folder.join(name).with_extension("lwk")).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 fn answers(octree: &impl Tracer<Error = leafwalk::LengthMismatch>, mesh: &Mesh) -> u64 {

@@ -59,8 +59,8 @@ fn a_saved_octree_loads_as_it_was() {
     let octree = Builder::new().build(&mesh).expect("a mesh that builds");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("soup.lwk");
-    leafwalk::save(&octree, &path).expect("a folder of ours");
-    let loaded = leafwalk::load(&path).expect("a file that can be read");
+    leafwalk::save_octree(&octree, &path).expect("a file that can be read");
+    let loaded = leafwalk::load_octree(&path).expect("a file that can be read");
     assert_eq!(loaded.as_words(), octree.as_words());
     assert_eq!(traced(&loaded, &mesh), traced(&octree, &mesh));
     let stored: Vec<u8> = octree.as_words().iter().flat_map(|word| word.to_le_bytes()).collect();

@@ -1,6 +1,7 @@
 //! Damaged files.
 
-use leafwalk::mesh_file::{MeshFile, load};
+use leafwalk::load_mesh;
+use leafwalk::mesh_file::MeshFile;
 
 use crate::files::{folder, gzip, write};
 use crate::ply::Ply;
@@ -38,7 +39,7 @@ fn damaged_files_are_meshes_or_errors() {
     let mut read = 0;
     for (name, seed) in seeds {
         let mut check = |bytes: &[u8]| {
-            if let Ok(MeshFile { mesh, materials, .. }) = load(&write(&folder, name, bytes)) {
+            if let Ok(MeshFile { mesh, materials, .. }) = load_mesh(write(&folder, name, bytes)) {
                 read += 1;
                 assert!(mesh.triangles.iter().flatten().all(|&index| (index as usize) < mesh.positions.len()));
                 assert!(mesh.material_ids.iter().all(|&id| (id as usize) < materials.len()));

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use leafwalk::mesh_file::{MeshError, MeshFile, load};
+use leafwalk::load_mesh;
+use leafwalk::mesh_file::{MeshError, MeshFile};
 use tempfile::TempDir;
 
 pub(crate) fn folder() -> TempDir {
@@ -28,8 +29,8 @@ pub(crate) fn gzip(bytes: impl AsRef<[u8]>) -> Vec<u8> {
 /// Reads the bytes as a file of that name, and again gzipped: both must give the same.
 pub(crate) fn read(name: &str, bytes: impl AsRef<[u8]>) -> MeshFile {
     let folder = folder();
-    let plain = load(&write(&folder, name, &bytes)).expect("a file that can be read");
-    let zipped = load(&write(&folder, &format!("{name}.gz"), gzip(&bytes))).expect("a file that can be read");
+    let plain = load_mesh(write(&folder, name, &bytes)).expect("a file that can be read");
+    let zipped = load_mesh(write(&folder, &format!("{name}.gz"), gzip(&bytes))).expect("a file that can be read");
     // Not `==`: a NaN must equal itself here, and the zeros differ.
     assert_eq!(format!("{plain:?}"), format!("{zipped:?}"));
     plain
@@ -38,8 +39,9 @@ pub(crate) fn read(name: &str, bytes: impl AsRef<[u8]>) -> MeshFile {
 /// As [`read`], for bytes that are no mesh.
 pub(crate) fn refuse(name: &str, bytes: impl AsRef<[u8]>) -> MeshError {
     let folder = folder();
-    let plain = load(&write(&folder, name, &bytes)).expect_err("a file that cannot be read");
-    let zipped = load(&write(&folder, &format!("{name}.gz"), gzip(&bytes))).expect_err("a file that cannot be read");
+    let plain = load_mesh(write(&folder, name, &bytes)).expect_err("a file that cannot be read");
+    let zipped =
+        load_mesh(write(&folder, &format!("{name}.gz"), gzip(&bytes))).expect_err("a file that cannot be read");
     assert_eq!(plain.to_string().replace(name, ""), zipped.to_string().replace(&format!("{name}.gz"), ""));
     assert!(plain.to_string().starts_with(&plain.path().display().to_string()), "{plain}");
     plain

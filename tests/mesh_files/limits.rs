@@ -1,6 +1,7 @@
 //! Files that claim or hold too much.
 
-use leafwalk::mesh_file::{Limits, MeshError, load, load_with};
+use leafwalk::mesh_file::{Limits, MeshError};
+use leafwalk::{load_mesh, load_mesh_with_limits};
 
 use crate::files::{folder, gzip, read, refuse, write};
 use crate::ply::{FORMATS, Ply};
@@ -49,7 +50,7 @@ fn limits() {
         let size = bytes.len() as u64;
         let paths = [write(&folder, name, &bytes), write(&folder, &format!("{name}.gz"), gzip(&bytes))];
         for path in paths {
-            let at_most = |max_bytes| load_with(&path, &Limits { max_bytes, ..Limits::default() });
+            let at_most = |max_bytes| load_mesh_with_limits(&path, &Limits { max_bytes, ..Limits::default() });
             at_most(size).expect("a file that can be read");
             at_most(u64::MAX).expect("a file that can be read");
             for limit in [size - 1, size / 2, 1, 0] {
@@ -71,7 +72,7 @@ fn bombs_stop_at_the_limit() {
     for (name, bytes) in bombs {
         let path = write(&folder, name, gzip(bytes));
         assert_matches!(
-            load_with(&path, &limits).expect_err("a file that cannot be read"),
+            load_mesh_with_limits(&path, &limits).expect_err("a file that cannot be read"),
             MeshError::TooManyBytes { limit: 0x10_0000, .. }
         );
     }
@@ -90,11 +91,11 @@ fn long_lines_stop_at_the_limit() {
         ("b.ply.gz", format!("{header}{long}"), 10),
         ("a.stl.gz", format!("solid a\nfacet normal {long}"), 2),
     ] {
-        let error = load(&write(&folder, name, gzip(text))).expect_err("a file that cannot be read");
+        let error = load_mesh(write(&folder, name, gzip(text))).expect_err("a file that cannot be read");
         assert_matches!(error, MeshError::LineTooLong { line: at, limit: 0x100_0000, .. } if line == 0 || *at == line);
     }
     let limits = Limits { max_line: 8, ..Limits::default() };
-    let exact = |text: &str| load_with(&write(&folder, "c.obj", text), &limits);
+    let exact = |text: &str| load_mesh_with_limits(write(&folder, "c.obj", text), &limits);
     exact("v 0 0 0\nf 1 1 1\n").expect("a file that can be read");
     exact("v 0 0 0\nf 1 1 1\r\n").map(drop).expect_err("a file that cannot be read");
     let header = refuse("d.ply", format!("ply\n{}", "comment of a header without end\n".repeat(1 << 16)));

@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use leafwalk::mesh_file::{Material, MeshError, load};
+use leafwalk::load_mesh;
+use leafwalk::mesh_file::{Material, MeshError};
 
 use crate::files::{folder, gzip, write};
 
@@ -24,20 +25,20 @@ fn materials() {
     ];
     write(&folder, "colors.mtl", mtl);
     let (plain, zipped) = (write(&folder, "a.obj", obj), write(&folder, "b.obj.gz", gzip(obj)));
-    let file = load(&plain).expect("a file that can be read");
+    let file = load_mesh(&plain).expect("a file that can be read");
     assert_eq!(file.materials, expected);
     assert_eq!(file.mesh.material_ids, [4, 1, 1, 5, 5, 0]);
     assert!(file.missing_libraries.is_empty());
-    assert_eq!(load(&zipped).expect("a file that can be read"), file);
+    assert_eq!(load_mesh(&zipped).expect("a file that can be read"), file);
 
     fs::remove_file(folder.path().join("colors.mtl")).expect("a folder of ours");
     write(&folder, "colors.mtl.gz", gzip(mtl));
-    assert_eq!(load(&plain).expect("a file that can be read"), file);
-    assert_eq!(load(&zipped).expect("a file that can be read"), file);
+    assert_eq!(load_mesh(&plain).expect("a file that can be read"), file);
+    assert_eq!(load_mesh(&zipped).expect("a file that can be read"), file);
 
-    fs::remove_file(folder.path().join("colors.mtl.gz")).expect("a folder of ours");
-    fs::create_dir(folder.path().join("colors.mtl")).expect("a folder of ours");
-    let bare = load(&plain).expect("a file that can be read");
+    fs::remove_file(folder.path().join("colors.mtl.gz")).expect("a file that can be read");
+    fs::create_dir(folder.path().join("colors.mtl")).expect("a file that can be read");
+    let bare = load_mesh(&plain).expect("a file that can be read");
     let names: Vec<&str> = bare.materials.iter().map(|material| material.name.as_str()).collect();
     assert_eq!(names, ["", "red wall", "unknown", "lamp"]);
     assert!(bare.materials.iter().all(|material| material.diffuse == [0.5; 3] && material.emission == [0.0; 3]));
@@ -52,12 +53,12 @@ fn material_libraries_with_spaces_or_several() {
     write(&folder, "my colors.mtl", "newmtl a\nKd 1 1 1\n");
     write(&folder, "b.mtl", "newmtl b\nKd 0 0 0\nnewmtl a\nKd 0 1 0\n");
     let obj = "mtllib\tmy colors.mtl\nmtllib b.mtl none.mtl\nv 0 0 0\nusemtl b\nf 1 1 1\n";
-    let file = load(&write(&folder, "a.obj", obj)).expect("a file that can be read");
+    let file = load_mesh(write(&folder, "a.obj", obj)).expect("a file that can be read");
     let found: Vec<_> = file.materials.iter().map(|material| (material.name.as_str(), material.diffuse)).collect();
     assert_eq!(found, [("a", [0.0, 1.0, 0.0]), ("b", [0.0; 3])]);
     assert_eq!(file.mesh.material_ids, [1]);
     assert_eq!(file.missing_libraries, [folder.path().join("none.mtl")]);
-    let plain = load(&write(&folder, "c.obj", obj.replace("usemtl b\n", ""))).expect("a file that can be read");
+    let plain = load_mesh(write(&folder, "c.obj", obj.replace("usemtl b\n", ""))).expect("a file that can be read");
     assert_eq!((plain.materials, plain.mesh.material_ids), (vec![], vec![]));
 }
 
@@ -66,11 +67,11 @@ fn bad_material_libraries_name_their_own_file() {
     let folder = folder();
     let obj = write(&folder, "a.obj", "mtllib a.mtl\nv 0 0 0\nusemtl a\nf 1 1 1\n");
     let mtl = write(&folder, "a.mtl", "newmtl a\nnewmtl\nKd 1 1 1\n");
-    let error = load(&obj).expect_err("a file that cannot be read");
+    let error = load_mesh(&obj).expect_err("a file that cannot be read");
     assert_matches!(&error, MeshError::Syntax { line: 2, .. });
     assert_eq!(error.path(), mtl);
     write(&folder, "a.mtl", "newmtl \0");
-    assert_matches!(load(&obj).expect_err("a file that cannot be read"), MeshError::Syntax { line: 1, .. });
+    assert_matches!(load_mesh(&obj).expect_err("a file that cannot be read"), MeshError::Syntax { line: 1, .. });
     write(&folder, "a.mtl", &gzip("newmtl a\nKd 1 1 1\n")[..20]);
-    assert_matches!(load(&obj).expect_err("a file that cannot be read"), MeshError::Gzip { path, .. } if *path == mtl);
+    assert_matches!(load_mesh(&obj).expect_err("a file that cannot be read"), MeshError::Gzip { path, .. } if *path == mtl);
 }

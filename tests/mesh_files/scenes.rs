@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use leafwalk::mesh_file::{Material, load};
+use leafwalk::load_mesh;
+use leafwalk::mesh_file::Material;
 
 /// Triangles and vertices of the scenes, as the table beside them counts.
 const SCENES: [(&str, usize, usize); 16] = [
@@ -47,8 +48,8 @@ fn scenes_load() {
     mesh_files(Path::new(&scenes), &mut found);
     assert!(!found.is_empty(), "no mesh files in {scenes:?}");
     for path in found {
-        let file = load(&path).expect("a file that can be read");
-        let name = path.file_name().expect("a file").to_string_lossy();
+        let file = load_mesh(&path).expect("a file that can be read");
+        let name = path.file_name().expect("a file that can be read").to_string_lossy();
         let counts = (file.mesh.triangles.len(), file.mesh.positions.len());
         match SCENES.iter().find(|scene| scene.0 == name) {
             Some(&(_, triangles, vertices)) => assert_eq!(counts, (triangles, vertices), "{name}"),

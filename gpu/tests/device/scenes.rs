@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use leafwalk::{Builder, Hit, Mesh, Octree, Ray, mesh_file};
+use leafwalk::{Builder, Hit, Mesh, Octree, Ray, load_mesh};
 use leafwalk_testing::random::Random;
 use leafwalk_testing::tally::bits;
 use leafwalk_testing::{meshes, rays, scenes};
@@ -33,7 +33,7 @@ pub(crate) static ALL: LazyLock<Vec<Scene>> = LazyLock::new(|| {
     let mut all = made();
     for (name, file) in [("bunny", "bunny.ply.gz"), ("dragon", "dragon.ply.gz"), ("conference", "conference.obj.gz")] {
         if let Some(path) = scenes::real(file, name) {
-            all.push(Scene::new(name, mesh_file::load(&path).expect("a readable scene").mesh));
+            all.push(Scene::new(name, load_mesh(&path).expect("a readable scene").mesh));
         }
     }
     all

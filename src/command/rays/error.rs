@@ -61,7 +61,14 @@ impl fmt::Display for RaysError {
     }
 }
 
-impl core::error::Error for RaysError {}
+impl core::error::Error for RaysError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Io(source) => Some(source),
+            _ => None,
+        }
+    }
+}
 
 impl From<io::Error> for RaysError {
     fn from(source: io::Error) -> Self {
