@@ -1,4 +1,4 @@
-//! The pinhole camera, and how it is placed when nobody places it.
+//! The pinhole camera: the size of its picture, its view, and its rays. Without a given view it frames the whole mesh.
 
 use core::fmt;
 
@@ -7,7 +7,7 @@ use leafwalk::{Aabb, Ray};
 
 use crate::picture::vector::unit;
 
-/// Pixels of a picture.
+/// How many pixels a picture has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Size {
     pub(crate) width: u32,
@@ -15,7 +15,8 @@ pub(crate) struct Size {
 }
 
 impl Size {
-    /// Most pixels a side: the largest picture then takes 0.8 GB, and pixels are numbered in 32 bits.
+    /// The most pixels a side may have: the largest picture then takes 0.8 GB, and its pixels can be numbered in 32
+    /// bits.
     pub(crate) const MOST: u32 = 16384;
     /// The size of pictures unless told otherwise.
     pub(crate) const DEFAULT: Self = Self { width: 960, height: 720 };
@@ -43,9 +44,9 @@ impl Size {
 pub(crate) struct View {
     /// The pinhole, in the mesh's units.
     pub(crate) eye: DVec3,
-    /// The point in the middle of the picture.
+    /// The point that is seen in the middle of the picture.
     pub(crate) at: DVec3,
-    /// What is up in the picture; any length, not along the line of sight.
+    /// The direction that is up in the picture, of any length, not along the line of sight.
     pub(crate) up: DVec3,
     /// Vertical angle of view in degrees, in 0..180.
     pub(crate) fov: f64,
@@ -55,9 +56,10 @@ impl View {
     /// A moderate angle: little distortion, some depth.
     pub(crate) const FOV: f64 = 35.0;
     pub(crate) const UP: DVec3 = DVec3::Y;
-    /// From the right, the front and above: three sides of a box show.
+    /// The direction from which a mesh is framed: from the right, the front and above, so that three sides of a box
+    /// show.
     const THREE_QUARTER: DVec3 = DVec3::new(0.5, 0.36, 1.0);
-    /// Room left around what is framed.
+    /// How much larger than the framed box the picture is, so that some room is left around it.
     const BORDER: f64 = 1.06;
 
     /// # Errors
@@ -66,13 +68,13 @@ impl View {
         if degrees > 0.0 && degrees < 180.0 { Ok(()) } else { Err(CameraError::FieldOfView { degrees }) }
     }
 
-    /// Frames a box from a three-quarter view: all eight corners are in the picture, close to its border.
+    /// A three-quarter view of a box that has all eight corners in the picture, close to its border.
     pub(crate) fn framing(bounds: &Aabb, fov: f64, aspect: f64) -> Self {
         let is_empty = (0..3).any(|k| bounds.lower[k] > bounds.upper[k]);
         let (lower, upper) = if is_empty { ([-0.5; 3], [0.5; 3]) } else { (bounds.lower, bounds.upper) };
         let (lower, upper) = (DVec3::from(lower), DVec3::from(upper));
         let at = (lower + upper) * 0.5;
-        // Eye and at are one until the distance is known.
+        // The eye stands at the same point until its distance is known.
         let view = Self { eye: at, at, up: Self::UP, fov };
         let Some([right, up, back]) = basis(Self::THREE_QUARTER, Self::UP) else { return view };
 
@@ -96,8 +98,8 @@ impl View {
     }
 }
 
-/// Unit vectors to the right, up and back of a camera that looks against `back`; `None` where that or up is no
-/// direction, or they are one.
+/// The unit vectors to the right, up and back of a camera that looks along `-back`. `None` where `back` or `up` has no
+/// direction, or both have the same.
 fn basis(back: DVec3, up: DVec3) -> Option<[DVec3; 3]> {
     let back = unit(back)?;
     let sideways = unit(up)?.cross(back);
@@ -106,10 +108,11 @@ fn basis(back: DVec3, up: DVec3) -> Option<[DVec3; 3]> {
     Some([right, back.cross(right), back])
 }
 
-/// Sine of the angle to the line of sight below which an up vector counts as parallel to it.
+/// The sine of the angle to the line of sight below which an up vector counts as parallel to it.
 ///
-/// A picture turns by an error of up, which came as f32, divided by this sine: 2^-24 / 2^-10 is a tenth of the angle
-/// under which the largest picture's diagonal shows one pixel.
+/// An error of the up vector turns the picture by that error divided by this sine. Up vectors come as f32, so the
+/// picture turns by at most 2^-24 / 2^-10 = 2^-14, which moves no pixel of the largest picture by more than about its
+/// edge: half the diagonal is 2^13.5 pixels long.
 const PARALLEL: f64 = 1.0 / (1 << 10) as f64;
 
 /// A camera that can take pictures: makes the primary rays.
@@ -119,7 +122,7 @@ pub(crate) struct Camera {
     eye: Vec3,
     /// Unit vectors to the right, up and back.
     basis: [DVec3; 3],
-    /// Edge of a pixel at distance 1.
+    /// The edge of a pixel at distance 1.
     pixel: f64,
 }
 

@@ -37,8 +37,8 @@
 //! ```
 //!
 //! Every backend is a [`Tracer`] of batches: [`CpuTracer`] and, with the feature `gpu`, `gpu::GpuTracer`. Octrees are
-//! kept in files by [`save_octree`] and [`load_octree`]; with the feature `mesh-files`, `load_mesh` reads OBJ, PLY and STL
-//! files.
+//! kept in files by [`save_octree`] and [`load_octree`]; with the feature `mesh-files`, `load_mesh` reads OBJ, PLY and
+//! STL files.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 

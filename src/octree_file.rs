@@ -9,7 +9,7 @@ use crate::output_file::OutputFile;
 use crate::wire::PREAMBLE_WORDS;
 use crate::{DecodeError, Octree};
 
-/// Words read or written at a time: 1 MiB.
+/// How many words are read or written at a time: 1 MiB of them.
 const CHUNK_WORDS: usize = 1 << 18;
 
 /// Why an octree was not read from a file, or not written to one.
@@ -66,7 +66,7 @@ pub fn load_octree(path: impl AsRef<Path>) -> Result<Octree<Vec<u32>>, FileError
         // The preamble alone is an octree cut short: decoding it tells what the rest should be.
         if let Err(error) = Octree::from_words(words.as_slice()) {
             let DecodeError::Truncated { needed, .. } = error else { return Err(decode_error(error)) };
-            // One more shows that something was appended.
+            // A word more than that shows that something was appended.
             bytes += read_words(&mut file, &mut words, needed.saturating_add(1)).map_err(io_error)?;
         }
     }
@@ -126,7 +126,7 @@ pub fn save_octree<W: AsRef<[u32]>>(octree: &Octree<W>, path: impl AsRef<Path>) 
 /// Writes the bytes of an octree's file, for those who keep them elsewhere than in a file.
 ///
 /// # Errors
-/// Those of the writer.
+/// The errors of the writer.
 pub fn write_octree<W: AsRef<[u32]>>(octree: &Octree<W>, mut writer: impl Write) -> io::Result<()> {
     let mut chunk = Vec::new();
     octree.as_words().chunks(CHUNK_WORDS).try_for_each(|words| {

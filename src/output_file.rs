@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Output files, which appear whole or not at all.
 
 use std::fs::{self, File, Permissions};
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-/// A file that is written under a temporary name, in the folder where it will stand, until it is complete. One that is
-/// dropped before leaves what was there and no temporary file. What is there and is no regular file (a device, a pipe)
-/// is written in place.
+/// A file that is written under a temporary name, in the folder where it will stand, until it is complete. If it is
+/// dropped before, what was there stays and the temporary file goes. A path that leads to something other than a
+/// regular file (a device, a pipe) is written in place.
 #[derive(Debug)]
 pub struct OutputFile {
     target: Target,
@@ -16,8 +16,9 @@ pub struct OutputFile {
 
 #[derive(Debug)]
 enum Target {
+    /// No regular file, written as it is.
     InPlace(PathBuf),
-    /// The path is that of the file itself where a link leads to it.
+    /// The temporary file, and the path that it gets: where the path given is a link, that of the file it leads to.
     Replaced(NamedTempFile, PathBuf),
 }
 
@@ -25,7 +26,7 @@ impl OutputFile {
     /// Finds out whether there can be a file `path`, without changing what is there.
     ///
     /// # Errors
-    /// Those of the file system; [`ErrorKind::PermissionDenied`] where the file is there and read-only.
+    /// The errors of the file system; [`ErrorKind::PermissionDenied`] where the file is there and read-only.
     pub fn create(path: &Path) -> io::Result<Self> {
         if path.file_name().is_none() {
             return Err(io::Error::new(ErrorKind::InvalidInput, "this names no file"));
@@ -37,7 +38,7 @@ impl OutputFile {
             Err(error) => return Err(error),
             Ok(metadata) if metadata.is_dir() => return Err(ErrorKind::IsADirectory.into()),
             Ok(metadata) if !metadata.is_file() => Target::InPlace(path.to_owned()),
-            // Renaming over it would succeed.
+            // Renaming over a read-only file would succeed.
             Ok(metadata) if metadata.permissions().readonly() => return Err(ErrorKind::PermissionDenied.into()),
             Ok(metadata) => {
                 let path = fs::canonicalize(path)?;
@@ -47,7 +48,7 @@ impl OutputFile {
         Ok(Self { target })
     }
 
-    /// The temporary name, for those who must remove it because they end the process.
+    /// The temporary name, for those who end the process and must remove the file before.
     pub fn temporary_path(&self) -> Option<&Path> {
         match &self.target {
             Target::InPlace(_) => None,
@@ -58,7 +59,7 @@ impl OutputFile {
     /// Writes the content.
     ///
     /// # Errors
-    /// Those of `write`, and those of the file system.
+    /// The errors of `write`, and those of the file system.
     pub fn write(&mut self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
         let mut opened;
         let file = match &mut self.target {
@@ -76,7 +77,7 @@ impl OutputFile {
     /// Gives the file its name.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// The errors of the file system.
     pub fn commit(self) -> io::Result<()> {
         match self.target {
             Target::InPlace(_) => Ok(()),

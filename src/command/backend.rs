@@ -1,4 +1,4 @@
-//! What traces: this machine's cores, or a GPU.
+//! The backend that traces: this machine's cores, or a GPU.
 
 use core::fmt;
 
@@ -59,17 +59,18 @@ fn backend(argument: &str) -> Result<Kind, &'static str> {
     }
 }
 
-/// A tracer of either kind, with the octree that it traces.
+/// A tracer of either kind, and the octree that it traces.
 pub(crate) enum Backend {
-    /// With the reason, where it stands in for a GPU.
+    /// The CPU, and why it stands in for a GPU, if it does.
     Cpu(CpuTracer<Vec<u32>>, Option<String>),
+    /// A GPU. The octree stays with it for what is done on the CPU.
     #[cfg(feature = "gpu")]
     Gpu(Box<leafwalk::gpu::GpuTracer>, Octree<Vec<u32>>),
 }
 
 impl BackendArgs {
-    /// For meshes, which are built into what the backend traces best. To be asked before the work: it refuses arguments
-    /// that do not go together.
+    /// The builder for meshes, which are built into what the backend traces best. It is asked for before any work,
+    /// since it refuses arguments that do not go together.
     pub(crate) fn builder(&self) -> Result<Builder, CommandError> {
         match self.backend {
             Kind::Cpu if self.adapter.is_some() || self.flavour.is_some() || self.or_cpu => {
@@ -81,6 +82,7 @@ impl BackendArgs {
         }
     }
 
+    /// The backend that the arguments name, ready to trace an octree.
     pub(crate) fn open(&self, octree: Octree<Vec<u32>>) -> Result<Backend, CommandError> {
         match self.backend {
             Kind::Cpu => Ok(Backend::Cpu(CpuTracer::new(octree), None)),
@@ -111,7 +113,7 @@ impl Backend {
         }
     }
 
-    /// Which backend it is and, of a GPU, what it promises.
+    /// Reports which backend it is and, if it is a GPU, what it promises.
     pub(crate) fn describe(&self, report: &mut Report) {
         match self {
             Self::Cpu(_, reason) => {

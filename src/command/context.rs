@@ -15,7 +15,7 @@ use leafwalk::{Builder, Mesh, Octree};
 use super::error::{CANCELLED, CommandError};
 use super::report::Report;
 
-/// Steps of the bar of a build.
+/// How many steps the progress bar of a build has.
 const BUILD_STEPS: f32 = 1000.0;
 const TICK: Duration = Duration::from_millis(100);
 
@@ -91,7 +91,7 @@ impl Context {
         Ok(octree)
     }
 
-    /// That `output` can be written and is none of the inputs, to be asked before the work.
+    /// Checks, before any work, that `output` can be written and is none of the inputs.
     pub(crate) fn check_output(&self, output: &Path, inputs: &[&Path]) -> Result<(), CommandError> {
         let same = |input: &&Path| match (input.canonicalize(), output.canonicalize()) {
             (Ok(input), Ok(output)) => input == output,

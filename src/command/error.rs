@@ -47,12 +47,14 @@ pub(crate) enum CommandError {
     Stdout(io::Error),
     Threads(rayon::ThreadPoolBuildError),
     Signals(ctrlc::Error),
-    /// By Ctrl-C.
+    /// Ctrl-C was pressed.
     Cancelled,
 }
 
 impl CommandError {
-    /// As the shell sees it: 130 after Ctrl-C, 1 otherwise. Most usage errors (2) are clap's.
+    /// The exit code that the shell sees: 130 after Ctrl-C, 2 for wrong usage, of which clap finds the most, and
+    /// otherwise
+    /// 1.
     pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
             Self::Cancelled => ExitCode::from(CANCELLED),
@@ -62,9 +64,9 @@ impl CommandError {
     }
 }
 
-/// As clap has it.
+/// The exit code of wrong usage, which clap gives, too.
 const USAGE: u8 = 2;
-/// 128 and the number of SIGINT.
+/// The exit code after Ctrl-C: 128 and the number of SIGINT.
 pub(crate) const CANCELLED: u8 = 130;
 
 impl fmt::Display for CommandError {

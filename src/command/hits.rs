@@ -1,4 +1,4 @@
-//! Hits into files, one row a ray: t, u, v, primitive.
+//! Files of hits, which have a row for each ray: t, u, v, primitive.
 
 use std::io::{self, Write};
 
@@ -9,7 +9,7 @@ use super::context::Context;
 use super::error::CommandError;
 use super::table_file::{TableFile, TableFormat};
 
-/// Names of the columns, and their types in an npy file.
+/// The names of the columns, and their types in an npy file.
 const COLUMNS: [(&str, &str); 4] = [("t", "<f4"), ("u", "<f4"), ("v", "<f4"), ("primitive", "<u4")];
 
 /// Writes the hits of all rays, in their order.

@@ -17,7 +17,7 @@ pub(crate) const EXTENSION: &str = "lwk";
 #[derive(Debug)]
 pub(crate) struct Input {
     pub(crate) octree: Octree<Vec<u32>>,
-    /// Where it was built here.
+    /// What it was built from, unless it came from a file.
     pub(crate) built: Option<Built>,
 }
 
@@ -25,7 +25,7 @@ pub(crate) struct Input {
 #[derive(Debug)]
 pub(crate) struct Built {
     pub(crate) mesh: MeshFile,
-    /// Of the build alone, without reading the mesh.
+    /// The time that the build alone took, without reading the mesh.
     pub(crate) time: Duration,
 }
 

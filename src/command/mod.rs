@@ -1,4 +1,4 @@
-//! The command: its arguments, and who does the work.
+//! The command `leafwalk`: its arguments, and which subcommand does the work.
 
 mod backend;
 mod build;
@@ -45,7 +45,8 @@ struct Cli {
     command: Option<Command>,
 }
 
-/// More than any machine has cores; starting tens of thousands by mistake would do harm.
+/// The most threads that can be asked for: more than machines have cores, while tens of thousands, started by mistake,
+/// would do harm.
 const MOST_THREADS: i64 = 4096;
 
 const EXAMPLES: &str = "\

@@ -200,22 +200,18 @@ pub(super) fn add_seconds(report: &mut Report, name: &'static str, label: &'stat
     report.add_as(name, label, seconds, format!("{seconds:.3} s"));
 }
 
-/// All rays of a picture and how fast they were traced; `speed` says whose speed it is.
+/// All rays of a picture, and how fast they were traced; `speed` is the label that says by what.
 pub(super) fn add_rays(report: &mut Report, speed: &'static str, traced: &Traced) {
-    let mrays_per_s = traced.rays as f64 / traced.seconds.max(SHORTEST) / 1e6;
     report.add("rays", "rays", traced.rays);
-    report.add_as("mrays_per_s", speed, mrays_per_s, format!("{mrays_per_s:.3} Mrays/s"));
+    report.add_speed(speed, traced.rays, traced.seconds);
 }
-
-/// A time in seconds to divide by where the clock saw none pass.
-const SHORTEST: f64 = 1e-9;
 
 pub(super) fn add_primary(report: &mut Report, primary: &Primary) {
     report.add("primary_rays", "primary rays", primary.rays);
     report.add("primary_hits", "of which hit", primary.hits);
 }
 
-/// The work of the walk, which is not that of the tracer whose speed is reported.
+/// The work of the counted walk, which is not that of the tracer whose speed is reported.
 pub(super) fn add_walked(report: &mut Report, walked: &Walked) {
     let each = |count: u64| count as f64 / walked.rays.max(1) as f64;
     let (cells, blocks) = (each(walked.cells), each(walked.blocks));

@@ -1,4 +1,4 @@
-//! What a command did, in numbers.
+//! The report of a command: what it did, in numbers, for people and for machines.
 
 use std::io::{self, Write};
 
@@ -10,6 +10,9 @@ use serde_json::{Map, Value};
 pub(crate) struct Report {
     entries: Vec<Entry>,
 }
+
+/// A time in seconds to divide by where the clock saw none pass.
+const SHORTEST: f64 = 1e-9;
 
 #[derive(Debug)]
 struct Entry {
@@ -40,6 +43,12 @@ impl Report {
         text: impl Into<String>,
     ) {
         self.entries.push(Entry { name, label, value: value.into(), text: text.into() });
+    }
+
+    /// How many rays a second were traced.
+    pub(crate) fn add_speed(&mut self, label: &'static str, rays: u64, seconds: f64) {
+        let mrays_per_s = rays as f64 / seconds.max(SHORTEST) / 1e6;
+        self.add_as("mrays_per_s", label, mrays_per_s, format!("{mrays_per_s:.3} Mrays/s"));
     }
 
     /// What an octree holds and how much room it takes.

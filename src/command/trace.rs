@@ -47,7 +47,7 @@ Examples:
   leafwalk trace bunny.lwk rays.npy -o hits.npy
   leafwalk trace bunny.ply rays.csv -o hits.csv --json";
 
-/// Rays between two looks at the clock: several chunks of a GPU, so that its copies overlap.
+/// How many rays are traced between two looks at the clock: several chunks of a GPU, so that its copies overlap.
 const BATCH: usize = 1 << 22;
 
 pub(crate) fn run(args: &TraceArgs, context: &Context) -> Result<(), CommandError> {
@@ -61,22 +61,18 @@ pub(crate) fn run(args: &TraceArgs, context: &Context) -> Result<(), CommandErro
 
     let missed = answers.iter().filter(|hit| hit.is_miss()).count();
     let invalid = rays.iter().filter(|ray| !ray.is_valid()).count();
-    let speed = rays.len() as f64 / time.as_secs_f64().max(SHORTEST) / 1e6;
     let mut report = Report::new();
     report.add("rays", "rays", rays.len());
     report.add("hits", "hits", rays.len() - missed);
     report.add("misses", "misses", missed);
     report.add("invalid", "of which invalid", invalid);
-    report.add_as("mrays_per_s", "speed", speed, format!("{speed:.3} Mrays/s"));
+    report.add_speed("speed", rays.len() as u64, time.as_secs_f64());
     backend.describe(&mut report);
     report.add("hit_hash", "hit hash", format!("{:016x}", hit_hash(&answers)));
     context.report(&report)
 }
 
-/// A time in seconds to divide by where the clock saw none pass.
-const SHORTEST: f64 = 1e-9;
-
-/// Closest hits, and the time that tracing alone took.
+/// The closest hits, and the time that tracing alone took.
 fn trace<T: Tracer>(tracer: &T, rays: &[Ray], context: &Context) -> Result<(Vec<Hit>, Duration), CommandError>
 where
     CommandError: From<T::Error>,

@@ -1,4 +1,4 @@
-//! Why a mesh file was not read.
+//! `MeshError`: why a mesh file was not read.
 
 use core::fmt;
 use std::io;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// The extension is none that is read.
+    /// The extension is not that of a format that is read.
     UnknownFormat {
         /// The file.
         path: PathBuf,

@@ -1,9 +1,9 @@
 //! Triangle meshes in OBJ (with MTL), PLY and STL files, each also gzipped.
 //!
-//! [`load_mesh`](crate::load_mesh) chooses the format by the file's extension (`.obj`, `.ply`, `.stl`, in any case, with or without a `.gz`
-//! after it) and answers with a [`MeshFile`]: triangles in the order of the file's faces, polygons split into fans,
-//! and a material for each triangle where the file names some. Bad input is a [`MeshError`] that names the file and
-//! the place; it never panics, and memory grows only with bytes that were really read.
+//! [`load_mesh`](crate::load_mesh) chooses the format by the file's extension (`.obj`, `.ply`, `.stl`, in any case,
+//! with or without a `.gz` after it) and answers with a [`MeshFile`]: triangles in the order of the file's faces,
+//! polygons split into fans, and a material for each triangle where the file names some. Bad input is a [`MeshError`]
+//! that names the file and the place; it never panics, and memory grows only with bytes that were really read.
 //!
 //! Vertices that are not finite pass through as they are, from every format that can hold them (ASCII PLY and ASCII
 //! STL cannot: there they are a [`MeshError::Syntax`]); the builder rejects them by number.
@@ -31,7 +31,7 @@ pub struct MeshFile {
     /// and its triangles in the order of its faces. `material_ids` index [`materials`](Self::materials); both are empty
     /// where the file gives no face a material.
     pub mesh: Mesh,
-    /// First those of the MTL files, in their order, then those that faces use and no MTL file defines.
+    /// The materials of the MTL files in their order, then those that faces use and no MTL file defines.
     pub materials: Vec<Material>,
     /// MTL files that the OBJ file names and that do not exist.
     pub missing_libraries: Vec<PathBuf>,

@@ -83,7 +83,8 @@ fn read_header(source: &mut Source) -> Result<Header, MeshError> {
         let (path, line) = (source.path().to_owned(), error.line().map_or(source.line(), |line| line as u64));
         MeshError::Syntax { path, line, message: brief(error) }
     })?;
-    // Of two definitions by one name, the parser keeps the second, and would read all that follows at the wrong place.
+    // Where a name is defined twice, the parser keeps the second definition, and would read all that follows at the
+    // wrong place.
     let kept = header.elements.values().map(|element| 1 + element.properties.len()).sum::<usize>();
     if kept != definitions {
         return Err(source.syntax("the header defines an element or a property twice"));
@@ -132,7 +133,7 @@ fn read_elements<E: PropertyAccess>(
     element: &ElementDef,
     mut take: impl FnMut(u64, E) -> Result<(), MeshError>,
 ) -> Result<(), MeshError> {
-    // Nothing to read, however many times.
+    // Such an element has no bytes to read, however often it is repeated.
     if element.properties.is_empty() && header.encoding != Encoding::Ascii {
         return Ok(());
     }

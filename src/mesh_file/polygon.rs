@@ -1,4 +1,4 @@
-//! Polygons into fans of triangles, and whether a polygon is one: flat, convex, wound once.
+//! Polygons, which become fans of triangles, and the check that a polygon is such a fan: flat, convex and wound once.
 
 use std::path::Path;
 
@@ -30,7 +30,7 @@ pub(super) struct Fans {
     skipped: usize,
 }
 
-/// A face of more than three corners: the triangles it became.
+/// A face of more than three corners, and the triangles that it became.
 struct Polygon {
     face: u64,
     first: usize,
@@ -91,8 +91,8 @@ enum Fault {
     NonPlanar { distance: f64, allowed: f64 },
 }
 
-/// What keeps a polygon from being a fan. A polygon thinner than rounding has nothing to check, and one with a corner
-/// that is not finite cannot be checked.
+/// What keeps a polygon from being a fan, if anything does. A polygon thinner than the rounding of its corners has
+/// nothing to check, and one with a corner that is not finite cannot be checked.
 fn fault(corners: &[DVec3]) -> Option<Fault> {
     if !corners.iter().all(|corner| corner.is_finite()) {
         return None;

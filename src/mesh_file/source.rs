@@ -1,4 +1,4 @@
-//! The bytes of a file: unzipped, counted, and cut into lines.
+//! The bytes of a mesh file, unzipped, counted against the limits, and cut into lines.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Chain, Cursor, ErrorKind, Read};
@@ -11,7 +11,7 @@ use super::{Limits, MeshError};
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 const BYTE_ORDER_MARK: [u8; 3] = [0xef, 0xbb, 0xbf];
 const BUFFER_BYTES: usize = 64 << 10;
-/// Enough to tell text from binary: a binary STL's header and its first triangles.
+/// How many first bytes tell text from binary: a binary STL's header and its first triangles.
 const HEAD_BYTES: u64 = 1 << 10;
 
 /// Whether the name ends in `.gz`.
@@ -30,7 +30,7 @@ pub(super) struct Source {
 }
 
 impl Source {
-    /// Opens a file; it is unzipped if it is gzip, whatever its name, or is named so.
+    /// Opens a file. It is unzipped if its first bytes or its name say that it is gzip.
     pub(super) fn open(path: &Path, limits: &Limits) -> Result<Self, MeshError> {
         let path = path.to_owned();
         let opened = File::open(&path).and_then(|file| {
@@ -116,7 +116,7 @@ impl Source {
         if self.line == 1 && line.starts_with(&BYTE_ORDER_MARK) {
             line.drain(..BYTE_ORDER_MARK.len());
         }
-        // Both would hide what follows them from a reader of lines.
+        // A zero byte, as a carriage return, would hide what follows it from a reader of lines.
         if line.contains(&0) {
             return Err(self.syntax("a zero byte: this is no text"));
         }

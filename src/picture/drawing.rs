@@ -1,4 +1,4 @@
-//! What it takes to draw an octree.
+//! A drawing: what every way of drawing an octree needs. The ways are methods in `lit` and `false_colour`.
 
 use core::ops::ControlFlow;
 
@@ -6,12 +6,12 @@ use super::meter::Meter;
 use super::surface::Surfaces;
 use crate::camera::Camera;
 
-/// Draws an octree; each way of drawing is a method, in a file of its own.
+/// A picture of an octree that is about to be drawn.
 pub(crate) struct Drawing<'a, 'm, T> {
     pub(crate) meter: &'a mut Meter<'m, T>,
     pub(crate) surfaces: &'a Surfaces,
     pub(crate) camera: &'a Camera,
-    /// Hears of finished pixels and may stop the work.
+    /// Is told how many pixels are finished, and may stop the work.
     pub(crate) progress: &'a dyn Fn(usize) -> ControlFlow<()>,
 }
 

@@ -1,4 +1,4 @@
-//! Pictures whose colours are data: one primary ray a pixel.
+//! Pictures whose colours are data: normals, depths, primitives, or cells. Each pixel shows one primary ray.
 
 use glam::DVec3;
 use leafwalk::{Hit, Octree, Ray, Tracer};
@@ -19,7 +19,8 @@ pub(crate) struct Scale {
 }
 
 impl<'m, T: Tracer> Drawing<'_, 'm, T> {
-    /// The unit normal, on the side that is seen: x, y and z as red, green and blue, -1 dark and 1 bright.
+    /// Shows the unit normal on the side that is seen: its x, y and z are red, green and blue, from -1 (dark) to 1
+    /// (bright).
     pub(crate) fn normals(self) -> Result<Image, PictureError<T::Error>> {
         let (size, surfaces) = (self.camera.size(), self.surfaces);
         let colour = |ray: &Ray, hit: &Hit| {
@@ -29,22 +30,22 @@ impl<'m, T: Tracer> Drawing<'_, 'm, T> {
         Ok(Image { size, pixels: self.each(Meter::primary_hits, colour)? })
     }
 
-    /// A colour of its own for each primitive.
+    /// Shows each primitive in a colour of its own.
     pub(crate) fn primitives(self) -> Result<Image, PictureError<T::Error>> {
         let size = self.camera.size();
         let colour = |_: &Ray, hit: &Hit| if hit.is_miss() { BACKGROUND } else { primitive_colour(hit.primitive) };
         Ok(Image { size, pixels: self.each(Meter::primary_hits, colour)? })
     }
 
-    /// The distance to the hit, near bright and far dark.
+    /// Shows the distance to the hit: what is near is bright, what is far is dark.
     pub(crate) fn depths(self) -> Result<(Image, Option<Scale>), PictureError<T::Error>> {
         let size = self.camera.size();
         let depths = self.each(Meter::primary_hits, |_, hit| hit.t)?;
         scaled(size, &depths, |depth, scale| [to_byte(1.0 - 0.9 * scale.share(depth)); 3])
     }
 
-    /// How many cells a ray visits, from none (black) to the most (light yellow). They are those of the counted walk
-    /// through the octree, whichever way the tracer goes.
+    /// Shows how many cells a ray visits, from none (black) to the most (light yellow). They are the cells of the
+    /// counted walk, which here takes the place of the tracer.
     pub(crate) fn cells<W: AsRef<[u32]> + Sync>(
         self,
         octree: &Octree<W>,
@@ -55,7 +56,7 @@ impl<'m, T: Tracer> Drawing<'_, 'm, T> {
         scaled(size, &cells, |cells, scale| heat(f64::from(cells / scale.highest)))
     }
 
-    /// A value for each pixel, of the answer that `trace` gives to its ray.
+    /// The value of each pixel, made of the answer that `trace` gives to the ray through its middle.
     fn each<A: Sync, V: Send>(
         self,
         trace: impl Fn(&mut Meter<'m, T>, &[Ray]) -> Result<Vec<A>, T::Error>,
@@ -77,7 +78,7 @@ impl<'m, T: Tracer> Drawing<'_, 'm, T> {
     }
 }
 
-/// Colours by a value and the scale of the whole picture; the background has none that is finite.
+/// A picture that shows a value of each pixel on the scale of them all. The background has a value that is not finite.
 fn scaled<E>(
     size: Size,
     values: &[f32],
@@ -96,7 +97,7 @@ fn scaled<E>(
 }
 
 impl Scale {
-    /// Where a value lies between the ends, 0 to 1.
+    /// Where a value lies between the ends of the scale, from 0 to 1.
     fn share(&self, value: f32) -> f64 {
         let span = f64::from(self.highest) - f64::from(self.lowest);
         if span > 0.0 { (f64::from(value) - f64::from(self.lowest)) / span } else { 0.0 }
@@ -105,12 +106,12 @@ impl Scale {
 
 const BACKGROUND: [u8; 3] = [0; 3];
 
-/// A byte of a display value, 0 to 1.
+/// The byte of a display value from 0 to 1.
 fn to_byte(value: f64) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
 
-/// Any colour that is not dark, the same for the same primitive.
+/// A colour that is not dark and depends on the primitive alone.
 fn primitive_colour(primitive: u32) -> [u8; 3] {
     // The finaliser of MurmurHash3 (Appleby, public domain): every bit of the number changes half the colour's bits.
     let mut hash = primitive.wrapping_add(1);
@@ -120,7 +121,8 @@ fn primitive_colour(primitive: u32) -> [u8; 3] {
     [red, green, blue].map(|c| 64 + c / 4 * 3)
 }
 
-/// Ten colours of even steps in lightness, the map `inferno` of Smith & van der Walt (2015, public domain).
+/// Ten colours in even steps of lightness: the map `inferno` of N. Smith and S. van der Walt (2015, public domain,
+/// <https://bids.github.io/colormap/>).
 const INFERNO: [[u8; 3]; 10] = [
     [0, 0, 4],
     [27, 12, 66],
@@ -134,6 +136,7 @@ const INFERNO: [[u8; 3]; 10] = [
     [252, 255, 164],
 ];
 
+/// The colour of a share from 0 (black) to 1 (light yellow).
 fn heat(share: f64) -> [u8; 3] {
     let place = share.clamp(0.0, 1.0) * (INFERNO.len() - 1) as f64;
     let below = (place as usize).min(INFERNO.len() - 2);

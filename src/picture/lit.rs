@@ -1,4 +1,5 @@
-//! A mesh as it would look on a photographer's table: a key light with traced shadows, and fill.
+//! The shade `lit`: a mesh in its materials' colours, under a key light with traced shadows and a fill light that has
+//! none.
 
 use glam::{DVec3, Vec3};
 use leafwalk::{Ray, Tracer};
@@ -17,22 +18,26 @@ use crate::scene::Material;
 const KEY_FROM: DVec3 = DVec3::new(-0.7, 0.8, 0.5);
 /// Radius of the key light as a disc one unit away: it softens the shadows a little.
 const KEY_RADIUS: f64 = 0.012;
-/// What white surfaces reflect of the lights that they face.
+/// What a white surface reflects of the key light if it faces it.
 const KEY: DVec3 = DVec3::new(1.00, 0.96, 0.88);
+/// What a white surface reflects of the fill light from above, and from below.
 const SKY: DVec3 = DVec3::new(0.24, 0.27, 0.32);
 const GROUND: DVec3 = DVec3::new(0.08, 0.07, 0.06);
+/// What a white surface reflects of the fill light from the camera if it faces it.
 const CAMERA_LIGHT: f64 = 0.2;
-/// Behind the mesh, at the picture's lower and upper end.
+/// The colours behind the mesh, at the lower and at the upper end of the picture.
 const BACKDROP: [DVec3; 2] = [DVec3::new(0.46, 0.48, 0.51), DVec3::new(0.14, 0.16, 0.20)];
 
-/// A hit, the ray to a place on the key light, and how much of that light it reflects if nothing is in between.
+/// A hit, and where the key light is seen from it.
 struct Lit {
     surface: Surface,
+    /// The ray to a place on the key light, and what share of the light is reflected if nothing is in between. `None`
+    /// where the surface faces away from the light.
     shadow: Option<(Ray, f64)>,
 }
 
 impl<T: Tracer> Drawing<'_, '_, T> {
-    /// The mesh flat-shaded in its materials' colours.
+    /// Draws the mesh in its materials' colours, flat-shaded.
     pub(crate) fn lit(self) -> Result<Image, PictureError<T::Error>> {
         let size = self.camera.size();
         let mut image = Image::with_capacity(size)?;
@@ -87,7 +92,7 @@ impl Studio {
         Self { up, key: unit(key).unwrap_or(up) }
     }
 
-    /// The ray to a place on the key light, and how much the surface faces it; `None` where it turns away.
+    /// The ray to a place on the key light, and how much the surface faces that place; `None` where it faces away.
     fn shadow_ray(&self, surface: &Surface, [turn, area]: [f64; 2]) -> Option<(Ray, f64)> {
         let (sine, cosine) = (core::f64::consts::TAU * turn).sin_cos();
         let (u, v) = self.key.any_orthonormal_pair();
@@ -98,6 +103,7 @@ impl Studio {
         (faces > 0.0).then_some((ray, faces))
     }
 
+    /// The light that a surface emits and reflects back along a ray; `key` is the share of the key light that arrives.
     fn reflected(&self, surface: &Surface, key: f64, ray: &Ray) -> DVec3 {
         let Material { diffuse, emission } = surface.material;
         let fill = mix(GROUND, SKY, 0.5 + 0.5 * surface.normal.dot(self.up));
@@ -106,6 +112,7 @@ impl Studio {
         emission.as_dvec3() + diffuse.as_dvec3() * light
     }
 
+    /// The colour behind the mesh at a pixel.
     fn backdrop(&self, size: Size, pixel: usize) -> DVec3 {
         let row = pixel / size.width as usize;
         mix(BACKDROP[1], BACKDROP[0], row as f64 / f64::from(size.height))

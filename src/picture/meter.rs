@@ -1,4 +1,4 @@
-//! Counting the rays of a picture, and the time that tracing them takes.
+//! The meter of a picture: it counts the rays and the time that tracing them takes.
 
 use std::time::Instant;
 
@@ -6,23 +6,23 @@ use leafwalk::{Hit, Octree, Ray, Tracer, Work};
 
 use super::walk::{Walked, closest_hits_with_work};
 
-/// A tracer with a count of what it answered.
+/// A tracer that counts the rays it answers.
 pub(crate) struct Meter<'a, T> {
     tracer: &'a T,
     pub(crate) traced: Traced,
     pub(crate) primary: Primary,
-    /// What [`Meter::primary_walks`] counted.
+    /// The work that [`Meter::primary_walks`] counted.
     pub(crate) walked: Walked,
 }
 
-/// Rays of every kind that were answered, and how long that took.
+/// How many rays of every kind were answered, and the time that took.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Traced {
     pub(crate) rays: u64,
     pub(crate) seconds: f64,
 }
 
-/// Primary rays that were answered, and how many of them hit.
+/// How many primary rays were answered, and how many of them hit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Primary {
     pub(crate) rays: u64,

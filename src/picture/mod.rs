@@ -1,4 +1,5 @@
-//! Pictures: pixels, and the batches of rays that they are made of.
+//! Pictures: a finished image and its PNG file. `path` renders the default scene; `lit` and `false_colour` draw any
+//! octree.
 
 pub(crate) mod drawing;
 pub(crate) mod false_colour;
@@ -18,15 +19,16 @@ use glam::DVec3;
 
 use crate::camera::Size;
 
-/// A finished picture: rows from the top, sRGB with 8 bits a channel.
+/// A finished picture, in sRGB with 8 bits a channel.
 #[derive(Debug)]
 pub(crate) struct Image {
     size: Size,
+    /// Row by row, from the top.
     pixels: Vec<[u8; 3]>,
 }
 
 impl Image {
-    /// Room for the pixels of a size, none set yet.
+    /// An image without pixels yet, but with room for all of them.
     pub(crate) fn with_capacity<E>(size: Size) -> Result<Self, PictureError<E>> {
         let mut pixels = Vec::new();
         pixels.try_reserve_exact(size.pixels()).map_err(|_| PictureError::OutOfMemory { size })?;
@@ -36,7 +38,7 @@ impl Image {
     /// Writes the picture as PNG.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// The errors of the writer.
     pub(crate) fn write_png(&self, writer: impl Write) -> io::Result<()> {
         let mut encoder = png::Encoder::new(writer, self.size.width, self.size.height);
         encoder.set_color(png::ColorType::Rgb);
@@ -55,14 +57,14 @@ pub(crate) enum PictureError<E> {
     Tracer(E),
     /// The pixels do not fit into memory.
     OutOfMemory {
-        /// Of the picture.
+        /// The size of the picture.
         size: Size,
     },
     /// The caller asked to stop.
     Cancelled,
 }
 
-/// Display value of a linear radiance: sRGB, 8 bits.
+/// The sRGB value of a linear radiance, in 8 bits a channel.
 pub(crate) fn to_display(colour: DVec3) -> [u8; 3] {
     colour.to_array().map(|linear| {
         let linear = linear.clamp(0.0, 1.0);
@@ -78,7 +80,7 @@ mod tests {
     #[test]
     fn linear_colours_are_encoded_as_srgb() {
         assert_eq!(to_display(DVec3::new(0.0, 1.0, 2.0)), [0, 255, 255]);
-        // Mid-grey, and one from the linear part of the curve.
+        // A mid-grey, and a value from the linear part of the curve.
         assert_eq!(to_display(DVec3::new(0.215_861, 0.002, -1.0)), [128, 7, 0]);
     }
 }

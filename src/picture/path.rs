@@ -1,4 +1,12 @@
-//! A scene lit by its light: direct light with traced shadows, and light from other surfaces over a few bounces.
+//! The path tracer of the default scene: direct light with traced shadows, and light from other surfaces over two
+//! bounces.
+//!
+//! Paths are traced in waves, so that each wave is a batch of rays:
+//! 1. trace the primary rays;
+//! 2. for each hit, make a ray to a place on the light and a ray in a random direction (the bounce);
+//! 3. trace the rays to the light; those that are not occluded add light to their pixels;
+//! 4. trace the bounces, and go on with 2 for as many waves as there are bounces;
+//! 5. smooth what the bounces and the rays to the light brought (`smooth`), and apply the surfaces' colours.
 
 use core::ops::{ControlFlow, Range};
 
@@ -15,29 +23,32 @@ use super::{Image, PictureError, to_display};
 use crate::camera::Camera;
 use crate::scene::{Light, Scene};
 
-/// Waves of bounce rays after the primary rays, from the first sample of each pixel alone: what they bring is smoothed.
+/// How many waves of bounces follow the primary rays. Only the first sample of each pixel bounces, since what bounces
+/// bring is smoothed.
 const BOUNCES: u32 = 2;
 
-/// A path from the camera, in progress.
+/// A path from the camera that has not ended yet.
 struct Path {
-    /// Its sample, counted from the first of the batch.
+    /// The sample that it began at, counted from the first of the batch.
     sample: usize,
     ray: Ray,
-    /// What share of the light it meets reaches the first hit's surface, and leaves it if that were white.
+    /// The share of the light met by the path that leaves the surface of the first hit towards the camera, as if that
+    /// surface were white.
     weight: DVec3,
 }
 
-/// What became of a path at a hit.
+/// What a path does at a hit.
 struct Bounce {
     surface: Surface,
-    /// What a white surface would reflect of the light if nothing were in between; of primary hits.
+    /// What a white surface would reflect of the light if nothing were in between; zero unless this is the first hit.
     unshadowed: DVec3,
-    /// The ray to the light, and what comes along it if nothing is in between.
+    /// The ray to a place on the light, and the light that comes along it if nothing is in between. `None` where the
+    /// surface and that place do not face each other.
     shadow: Option<(Ray, DVec3)>,
     next: Path,
 }
 
-/// Renders a scene; `progress` hears of finished pixels and may stop the work.
+/// Renders a scene; `progress` is told how many pixels are finished, and may stop the work.
 pub(crate) fn render<T: Tracer>(
     meter: &mut Meter<'_, T>,
     scene: &Scene,
@@ -100,7 +111,7 @@ impl Renderer<'_> {
         Ok(result)
     }
 
-    /// What a path does at its next hit; `None` where it ends.
+    /// What a path does at its next hit, or `None` where the path ends because it missed.
     fn bounce(&self, wave: u32, path: &Path, hit: &Hit, mut draws: Draws) -> Option<Bounce> {
         let surface = self.surfaces.at(hit, path.ray.direction)?;
         // The first surface counts as white here: its pixel applies the colour, after smoothing.
@@ -109,7 +120,8 @@ impl Renderer<'_> {
         let place = spread(draws.point(), path.sample % SAMPLES);
         let shadow = self.shadow_ray(&surface, place);
         let shadow = shadow.map(|(ray, share)| (ray, weight * self.light.radiance * share));
-        // Directions are distributed as their cosine, by a disc that is projected up, so that all weigh the same.
+        // A point of the unit disc, projected up to the hemisphere: directions come as often as their cosine says, so
+        // that all of them weigh the same (Malley's method).
         let [turn, area] = draws.point();
         let (sine, cosine) = (core::f64::consts::TAU * turn).sin_cos();
         let (u, v) = surface.normal.any_orthonormal_pair();
@@ -121,7 +133,8 @@ impl Renderer<'_> {
         Some(Bounce { surface, unshadowed, shadow, next: Path { sample: path.sample, ray, weight } })
     }
 
-    /// The ray to a place on the light, and what share of the light's radiance a white surface reflects of it.
+    /// The ray to a place on the light, and what share of the light's radiance a white surface reflects of it; `None`
+    /// where they do not face each other.
     fn shadow_ray(&self, surface: &Surface, place: [f64; 2]) -> Option<(Ray, f64)> {
         // Both ends are lifted off their surfaces, so that the ray between them meets neither.
         let normal = self.light.normal();
@@ -135,11 +148,12 @@ impl Renderer<'_> {
     }
 }
 
-/// Exposure and a filmic curve: brights roll off to white, darks keep their contrast.
+/// Applies the exposure and a filmic curve, by which brights roll off to white and darks keep their contrast.
 fn tone(radiance: DVec3) -> DVec3 {
     radiance.map(|c| {
         let c = EXPOSURE * c;
-        // The fit of Narkowicz (2016) to the ACES reference curve.
+        // A fit to the ACES reference curve (K. Narkowicz, ACES Filmic Tone Mapping Curve, 2016,
+        // https://knarkowicz.wordpress.com/2016/01/06/aces-filmic-tone-mapping-curve/).
         (c * (2.51 * c + 0.03)) / (c * (2.43 * c + 0.59) + 0.14)
     })
 }
@@ -155,7 +169,7 @@ mod tests {
 
     const SIZE: Size = Size { width: 61, height: 47 };
 
-    /// The default scene in small, its pixels and the rays that they took.
+    /// A scene drawn in small: its pixels, and how many rays they took.
     fn draw<T: Tracer + Sync>(scene: &Scene, tracer: &T, threads: usize) -> (Vec<[u8; 3]>, u64)
     where
         T::Error: Send,
@@ -177,7 +191,7 @@ mod tests {
         let tracer = CpuTracer::new(Builder::new().build(&scene.mesh).expect("a finite mesh"));
         let expected = draw(&scene, &tracer, 1);
         assert_eq!(expected.0.len(), SIZE.pixels());
-        // Primary rays, at most a shadow ray for each, and two bounces of a pixel with one each.
+        // A pixel has four primary rays and two bounces; each of these six has at most one ray to the light.
         let pixels = SIZE.pixels() as u64;
         assert!((8 * pixels..=12 * pixels).contains(&expected.1), "{} rays for {pixels} pixels", expected.1);
         assert!(draw(&scene, &tracer, 3) == expected, "three threads draw another picture");

@@ -8,14 +8,14 @@ use rayon::prelude::*;
 use super::sampling::{Draws, SAMPLES, in_cell, stratified};
 use crate::camera::Camera;
 
-/// Primary rays of a batch, about: enough for every thread, few enough for the memory of a small machine.
+/// About how many primary rays a batch has: enough for every thread, few enough for the memory of a small machine.
 const BATCH_RAYS: usize = 1 << 17;
 
-/// The rays that leave the camera: pixels in rows from the top, and within a pixel its samples.
+/// The rays that leave the camera, numbered along the rows of pixels from the top, and within a pixel by its samples.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PrimaryRays<'a> {
     camera: &'a Camera,
-    /// Rays a pixel: one, or [`SAMPLES`].
+    /// How many rays a pixel has: one, or [`SAMPLES`].
     samples: usize,
 }
 
@@ -49,12 +49,13 @@ impl<'a> PrimaryRays<'a> {
         numbers.into_par_iter().map(|number| self.ray(number)).collect()
     }
 
-    /// A sample of at most so many rays, spread evenly over the picture; always the same for the same picture.
+    /// A sample of `most` rays, or all where there are fewer. It is spread evenly over the picture and always the same
+    /// for the same camera.
     pub(crate) fn sample(&self, most: usize) -> Vec<Ray> {
         stratified(self.count(), most).map(|number| self.ray(number)).collect()
     }
 
-    /// The pixels of each batch of rays: whole rows, from the top.
+    /// The pixels of each batch of rays. A batch is made of whole rows, and the first has the top row.
     pub(crate) fn batches(&self) -> impl ExactSizeIterator<Item = Range<usize>> + use<> {
         let size = self.camera.size();
         let width = size.width as usize;

@@ -1,22 +1,22 @@
-//! Random numbers that are the same in every run, and how samples are spread by them.
+//! Random numbers that are the same in every run of the program, and the ways in which they spread samples.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Samples of a pixel, in as many cells of a square grid.
+/// How many samples a pixel has where edges are smoothed: one in each cell of a square grid.
 pub(crate) const SAMPLES: usize = GRID * GRID;
 const GRID: usize = 2;
 
 /// The seed of every stream of random numbers here.
 const SEED: [u8; 32] = *b"leafwalk walks from leaf to leaf";
-/// The stream that samples of a picture's rays are drawn from. No pixel has it: they are numbered in 32 bits.
+/// The stream of [`stratified`]. No pixel draws from it, since pixels are numbered in 32 bits.
 const STRATA_STREAM: u64 = u64::MAX;
 
 /// Random numbers of a pixel in a wave of rays: the same wherever and whenever they are drawn.
 pub(crate) struct Draws(ChaCha8Rng);
 
 impl Draws {
-    /// More than a pixel draws in a wave: a block of ChaCha.
+    /// Words of the stream that each wave has for itself: a block of ChaCha, more than a pixel draws in a wave.
     const WORDS: u128 = 16;
 
     pub(crate) fn new(pixel: usize, wave: u32) -> Self {
@@ -32,24 +32,26 @@ impl Draws {
     }
 }
 
-/// The place of a sample in the unit square: jittered so that each cell of the grid has one, and so has each of as many
-/// columns and rows as there are samples (Chiu, Shirley & Wang, Multi-Jittered Sampling, 1994).
+/// The place of a sample in the unit square, moved by a jitter that the samples of a pixel share. Each cell of the grid
+/// holds one sample, and so does each of as many columns and rows as there are samples (K. Chiu, P. Shirley and C.
+/// Wang, Multi-Jittered Sampling, Graphics Gems IV, 1994).
 pub(crate) fn in_cell(jitter: [f64; 2], sample: usize) -> [f64; 2] {
     let cell = [sample % GRID, sample / GRID % GRID];
     let finer = |k: usize| (cell[1 - k] as f64 + jitter[k]) / GRID as f64;
     core::array::from_fn(|k| (cell[k] as f64 + finer(k)) / GRID as f64)
 }
 
-/// The point of a sequence that covers the unit square evenly, shifted on the torus: the R2 sequence of Roberts (2018),
-/// whose steps are powers of the plastic number.
+/// The point of a number in a sequence that covers the unit square evenly from any start: the R2 sequence, whose steps
+/// are powers of the plastic number (M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018,
+/// <https://extremelearning.com.au/unreasonable-effectiveness-of-quasirandom-sequences/>).
 pub(crate) fn spread([x, y]: [f64; 2], index: usize) -> [f64; 2] {
     const PLASTIC: f64 = 1.324_717_957_244_746;
     let steps = index as f64 / PLASTIC;
     [x + steps, y + steps / PLASTIC].map(f64::fract)
 }
 
-/// At most `most` of the numbers below `total`, in order: these are cut into as many runs of much the same length, and
-/// one of each run is drawn. All of them where there are no more than `most`.
+/// A sample of `most` of the numbers below `total`, in order, or all of them where there are fewer. The numbers are cut
+/// into as many runs of nearly equal length, and one number of each run is drawn.
 pub(crate) fn stratified(total: usize, most: usize) -> impl ExactSizeIterator<Item = usize> {
     let runs = total.min(most);
     let mut generator = ChaCha8Rng::from_seed(SEED);
@@ -57,7 +59,7 @@ pub(crate) fn stratified(total: usize, most: usize) -> impl ExactSizeIterator<It
     let start = move |run: usize| (run as u128 * total as u128 / runs as u128) as usize;
     (0..runs).map(move |run| {
         let length = start(run + 1) - start(run);
-        start(run) + (u128::from(generator.next_u32()) * length as u128 >> 32) as usize
+        start(run) + ((u128::from(generator.next_u32()) * length as u128) >> 32) as usize
     })
 }
 

@@ -1,4 +1,8 @@
-//! The pixels of a path-traced picture, and the smoothing of what few rays leave noisy.
+//! The pixels of a path-traced picture, and the filter that smooths the noise of few rays.
+//!
+//! Light from other surfaces, and the share of the light that arrives in penumbras, vary slowly over a surface. Both
+//! are averaged over neighbouring pixels, with small weights for those that see another surface; colours and edges stay
+//! sharp.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -8,27 +12,30 @@ use super::sampling::SAMPLES;
 use super::surface::Surface;
 use crate::camera::Size;
 
-/// What the samples of a pixel saw.
+/// What the samples of a pixel saw, until it is shown.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pixel {
+    /// The mean radiance that the surfaces of the samples emit.
     emitted: DVec3,
-    /// Reflected of the light if nothing were in between; the mean of the samples, as are `emitted` and `diffuse`.
+    /// The mean radiance that they would reflect of the light if nothing were in between.
     unshadowed: DVec3,
+    /// The mean of their diffuse reflectances.
     diffuse: DVec3,
-    /// What shadow rays found of the light, and what they would have found if nothing were in between.
+    /// The light that the shadow rays of all samples found, and what they would have found if nothing were in between.
     light: [f64; 2],
-    /// What a white surface would reflect of the light from other surfaces, at the first sample.
+    /// What a white surface would reflect of the light from other surfaces, where the first sample hit.
     pub(crate) bounced: DVec3,
-    /// Of the first sample: a mean over an edge would resemble no neighbour.
+    /// The normal where the first sample hit. A mean of all samples would resemble no neighbour on an edge.
     normal: DVec3,
+    /// The point where the first sample hit.
     point: DVec3,
     /// Whether the samples see different surfaces.
     is_edge: bool,
 }
 
 impl Pixel {
-    /// A sample's hit, what a white surface there would reflect of the light if nothing were in between, and what the
-    /// shadow ray found of the light and might have found.
+    /// Adds a sample: its hit, what a white surface there would reflect of the light if nothing were in between, and
+    /// the light that its shadow ray found and might have found.
     pub(crate) fn add(&mut self, surface: &Surface, unshadowed: DVec3, light: [f64; 2]) {
         let share = 1.0 / SAMPLES as f64;
         let (diffuse, emission) = (surface.material.diffuse.as_dvec3(), surface.material.emission.as_dvec3());
@@ -44,36 +51,38 @@ impl Pixel {
         self.is_edge |= likeness(self, &this) < ALIKE;
     }
 
+    /// The radiance that reaches the camera.
     pub(crate) fn radiance(&self) -> DVec3 {
         let direct = self.unshadowed * self.visibility();
         self.emitted + (direct + self.diffuse * self.bounced)
     }
 
-    /// What share of the light arrives.
+    /// The share of the light that arrives, from 0 to 1.
     fn visibility(&self) -> f64 {
         let [found, possible] = self.light;
         if possible > 0.0 { found / possible } else { 0.0 }
     }
 }
 
-/// All pixels, row by row.
+/// All pixels of a picture, row by row from the top.
 #[derive(Debug)]
 pub(crate) struct Film {
     size: Size,
     pub(crate) pixels: Vec<Pixel>,
 }
 
-/// Passes over bounced light, which varies slowly: each reaches twice as far as the one before, together 62 pixels.
+/// How many passes smooth the bounced light, which varies slowly. Each reaches twice as far as the one before; together
+/// they reach 62 pixels.
 const BOUNCED_PASSES: u32 = 5;
-/// Passes over visibility, within penumbras: 14 pixels.
+/// How many passes smooth the share of the light that arrives, within penumbras; together they reach 14 pixels.
 const VISIBILITY_PASSES: u32 = 3;
-/// The cubic B-spline: what a pass takes from neighbours 0, 1 and 2 of its steps away.
+/// The weights that a pass gives to neighbours 0, 1 and 2 of its steps away: those of the cubic B-spline.
 const SPLINE: [f64; 3] = [0.375, 0.25, 0.0625];
-/// Difference in direct light, as radiance, that counts as the edge of a shadow.
+/// The difference in direct light, as radiance, that counts as the edge of a shadow. Chosen by eye, as the next two.
 const SHADOW_EDGE: f64 = 0.9;
-/// Distance from a pixel's plane, in scene units, that counts as another surface.
+/// The distance from a pixel's plane, in scene units, that counts as another surface.
 const STEP_IN_DEPTH: f64 = 0.05;
-/// Likeness below which two samples show different surfaces.
+/// The likeness below which two samples show different surfaces.
 const ALIKE: f64 = 0.5;
 
 impl Film {
@@ -83,14 +92,16 @@ impl Film {
         Ok(Self { size, pixels })
     }
 
-    /// Averages over pixels that see the same smooth surface (Dammertz et al., Edge-Avoiding A-Trous Wavelet Transform,
-    /// HPG 2010).
+    /// Averages over pixels that see the same smooth surface (H. Dammertz, D. Sewtz, J. Hanika and H. Lensch,
+    /// Edge-Avoiding À-Trous Wavelet Transform for fast Global Illumination Filtering, High Performance Graphics 2010,
+    /// <https://doi.org/10.2312/EGGH/HPG10/067-075>).
     pub(crate) fn smooth(&mut self) {
         let bounced = |pixel: &Pixel| pixel.bounced.to_array();
         for pass in 0..BOUNCED_PASSES {
             self.pass(1 << pass, bounced, |pixel, mean| pixel.bounced = mean.into(), likeness);
         }
-        // One sample stands for all four on an edge, which makes it ragged: there both sides are mixed.
+        // On an edge, one sample stands for all four, which makes the edge ragged; a pass without regard to surfaces
+        // mixes both sides there.
         let set_on_edge = |pixel: &mut Pixel, mean: [f64; 3]| {
             if pixel.is_edge {
                 pixel.bounced = mean.into();
@@ -140,13 +151,13 @@ impl Film {
     }
 }
 
-/// 1 for pixels in one plane, towards 0 as their surfaces differ.
+/// How alike the surfaces of two pixels are: 1 where they lie in one plane, towards 0 as they differ.
 fn likeness(a: &Pixel, b: &Pixel) -> f64 {
     let facing = a.normal.dot(b.normal).max(0.0).powi(16);
     facing * falloff(a.normal.dot(b.point - a.point) / STEP_IN_DEPTH)
 }
 
-/// A bell that is 1 at 0 and 0 from 1 on.
+/// A bell-shaped curve that is 1 at 0, and 0 from 1 on.
 fn falloff(x: f64) -> f64 {
     (1.0 - x * x).max(0.0).powi(2)
 }

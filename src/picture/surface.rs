@@ -1,4 +1,4 @@
-//! What a hit primitive looks like, and where rays that leave it start.
+//! The surface at a hit: its normal and material, and the point where rays that leave it start.
 
 use glam::{DVec3, Vec3};
 use leafwalk::layout::Triangle;
@@ -13,18 +13,18 @@ pub(crate) struct Surfaces {
     corners: Vec<[Vec3; 3]>,
     material_ids: Vec<u32>,
     materials: Vec<Material>,
-    /// Edge of the root cube.
+    /// The edge of the octree's root cube, in the caller's units.
     root_edge: f64,
 }
 
 /// A point where a ray met a surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface {
-    /// Off the surface, on the side that the ray came from: where rays that leave it start.
+    /// The point where rays that leave the surface start: a little off it, on the side that the ray came from.
     pub(crate) lifted: DVec3,
-    /// Unit normal of the triangle, on that side.
+    /// The unit normal of the triangle on the side that the ray came from.
     pub(crate) normal: DVec3,
-    /// Whether that is the side from which the corners stand counter-clockwise.
+    /// Whether that side is the triangle's front, from which its corners stand counter-clockwise.
     pub(crate) is_front: bool,
     pub(crate) material: Material,
 }
@@ -32,25 +32,25 @@ pub(crate) struct Surface {
 /// How far, in root edges, a point is lifted off its triangle, so that no ray from there hits that triangle: 64 u with
 /// u = 2^-24.
 ///
-/// A triangle is hit where the ray passes it within 6 u on two axes (`e2` of ARCHITECTURE.md, for origins in the root),
-/// at a distance that is wrong by 15 u on the largest of three (`ez`). A ray that leads away from its plane, starting
-/// at least sqrt(2) 6 u + sqrt(3) 15 u above it, therefore has t' < 0 there. Rounding the corners and the origin to the
-/// lattice adds sqrt(3) u each: 38 u in all.
+/// A triangle is hit where the ray passes it within 6 u on two axes (`e2` of docs/contract.md, for origins in the
+/// root), at a distance that is wrong by 15 u on the largest of three (`ez`). A ray that leads away from its plane,
+/// starting at least sqrt(2) 6 u + sqrt(3) 15 u above it, therefore has t' < 0 there. Rounding the corners and the
+/// origin to the lattice adds sqrt(3) u each: 38 u in all.
 const LIFT_IN_ROOT_EDGES: f64 = 64.0 / (1 << 24) as f64;
-/// The same, in magnitudes of the largest coordinate: 4 u.
+/// How far a point is lifted besides, in magnitudes of its largest coordinate: 4 u.
 ///
 /// The lifted point is rounded to f32 in the caller's units, and so were the corners: sqrt(3) u each, 3.5 u in all.
 const LIFT_IN_COORDINATES: f64 = 4.0 / (1 << 24) as f64;
 
-/// The point of a triangle lifted to the side of its unit normal.
+/// The point of a triangle, lifted off it to the side of its unit normal.
 pub(crate) fn lift(point: DVec3, normal: DVec3, root_edge: f64) -> DVec3 {
     let largest = point.abs().max_element();
     point + normal * (LIFT_IN_ROOT_EDGES * root_edge + LIFT_IN_COORDINATES * largest)
 }
 
 impl Surfaces {
-    /// Those that an octree lists. It knows no colours: its material ids are indices into `materials`, and where that
-    /// leaves a primitive without, it is neutral.
+    /// The surfaces of the primitives that an octree lists. An octree knows no colours: its material ids are indices
+    /// into `materials`, and a primitive that has no id, or one beyond them, is neutral.
     pub(crate) fn new<W: AsRef<[u32]>>(octree: &Octree<W>, materials: Vec<Material>) -> Self {
         let parts = octree.parts();
         let mut corners = vec![[Vec3::ZERO; 3]; parts.header.primitives as usize];
@@ -66,16 +66,16 @@ impl Surfaces {
         self.root_edge
     }
 
-    /// Where a ray of this direction hit; `None` for a miss.
+    /// The surface at a hit of a ray of this direction; `None` for a miss.
     pub(crate) fn at(&self, hit: &Hit, direction: [f32; 3]) -> Option<Surface> {
         let [a, b, c] = self.corners.get(hit.primitive as usize)?.map(Vec3::as_dvec3);
         let (ab, ac) = (b - a, c - a);
         let direction = Vec3::from(direction).as_dvec3();
-        // A triangle without area is seen edge-on: any normal towards the viewer serves.
+        // A triangle without area is seen edge-on, so any normal towards the viewer serves.
         let normal = unit(ab.cross(ac)).or_else(|| unit(-direction))?;
         let is_front = normal.dot(direction) <= 0.0;
         let normal = if is_front { normal } else { -normal };
-        // From the weights, not from t: this point lies in the triangle's plane whatever its distance from the eye.
+        // The point is made of the weights, not of t, so that it lies in the triangle's plane however far from the eye.
         let point = a + (ab * f64::from(hit.u) + ac * f64::from(hit.v));
         let material = self.material_ids.get(hit.primitive as usize).and_then(|id| self.materials.get(*id as usize));
         Some(Surface {
@@ -98,8 +98,8 @@ mod tests {
     const TRIANGLES: usize = 300;
     const RAYS: usize = 100;
 
-    /// Rays that leave a triangle of a size, at coordinates of a magnitude, in a root of an edge; how many hit the
-    /// triangle that they left.
+    /// How many rays that leave a triangle hit it again, for triangles of a size, at coordinates of a magnitude, in a
+    /// root of an edge.
     fn self_hits(size: f32, coordinates: f32, root_edge: f32) -> usize {
         let mut generator = ChaCha8Rng::seed_from_u64(14);
         let mut uniform = || generator.next_u32() as f32 / 2f32.powi(31) - 1.0;
@@ -108,7 +108,7 @@ mod tests {
             let centre = [(); 3].map(|()| coordinates * uniform());
             let corner = |uniform: &mut dyn FnMut() -> f32| centre.map(|c| c + size * uniform());
             let corners = [(); 3].map(|()| corner(&mut uniform));
-            // A speck at the far end makes the root as large as is asked.
+            // A small triangle at the far end makes the root as large as is asked.
             let speck = centre.map(|c| c + root_edge);
             let specks = [speck, [speck[0], speck[1], speck[2] + size], [speck[0], speck[1] + size, speck[2]]];
             let mesh = Mesh::new([corners, specks].concat(), vec![[0, 1, 2], [3, 4, 5]]);
@@ -126,7 +126,8 @@ mod tests {
                 let along = s * f64::from(uniform()) + t * f64::from(uniform());
                 let direction = surface.normal * rise + along;
                 let spawned = Ray::new(surface.lifted.as_vec3(), direction.as_vec3());
-                // Rounding may turn a ray along the surface into one that meets it, farther off than any size here.
+                // Rounding may turn a ray along the surface into one that meets its plane, but only farther away than
+                // any triangle here is large.
                 let is_hit = octree.closest_hit(&spawned).is_some_and(|hit| hit.primitive == 0);
                 let leads_away = surface.normal.dot(Vec3::from(spawned.direction).as_dvec3()) >= 0.0;
                 hits += usize::from(is_hit && leads_away && direction.length() > 0.0);

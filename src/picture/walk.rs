@@ -1,18 +1,19 @@
 //! The counted walk: how many cells and blocks the primary rays of a picture visit on their way from leaf to leaf.
 //!
-//! Pictures are traced by a tracer that may go another way and is faster. Its work is not counted, so what a report
-//! says of cells and blocks is that of the walk, over all primary rays or a sample of them.
+//! Pictures are traced by a tracer that goes another way and is several times as fast, but does not count its work. The
+//! cells and blocks of a report are therefore those of the walk, which takes the same rays, or a sample of them, apart
+//! from the picture and its timing.
 
 use leafwalk::{Hit, Octree, Ray, Walk, Work};
 use rayon::prelude::*;
 
 use super::primary::PrimaryRays;
 
-/// Rays of a sample. The cells that a ray visits deviate from their mean by about as much as that mean, so the mean of a
-/// sample deviates from that of all rays by about 1 / sqrt(4096) of it, 1.6 %.
+/// How many rays a sample has. The number of cells that a ray visits has a standard deviation of about its mean, so the
+/// mean over the sample has one of 1 / sqrt(4096) of it, 1.6 %.
 pub(crate) const SAMPLE_RAYS: usize = 4096;
 
-/// Rays that were walked, and their work in all.
+/// How many rays were walked, and the sum of their work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Walked {
     pub(crate) rays: u64,

@@ -1,4 +1,4 @@
-//! The default scene: a closed room with coloured walls, a square light, and shapes whose geometry is made here.
+//! The default scene: a closed room with coloured walls, a square light, and shapes that `shapes` makes.
 
 pub(crate) mod shapes;
 
@@ -19,9 +19,10 @@ pub(crate) struct Material {
 }
 
 impl Material {
-    /// Where nobody gave a material.
+    /// The material of a surface that was given none.
     pub(crate) const NEUTRAL: Self = Self::matt(0.6, 0.6, 0.6);
 
+    /// A surface that reflects in all directions alike and does not shine.
     pub(crate) const fn matt(red: f32, green: f32, blue: f32) -> Self {
         Self { diffuse: Vec3::new(red, green, blue), emission: Vec3::ZERO }
     }
@@ -37,12 +38,12 @@ pub(crate) struct Light {
 }
 
 impl Light {
-    /// A point by its coordinates along the edges, each 0 to 1.
+    /// The point at two coordinates along the edges, each from 0 to 1.
     pub(crate) fn point(&self, [a, b]: [f64; 2]) -> DVec3 {
         self.corner + (self.edges[0] * a + self.edges[1] * b)
     }
 
-    /// Unit normal, on the side that shines.
+    /// The unit normal on the side that shines.
     pub(crate) fn normal(&self) -> DVec3 {
         unit(self.spanned()).unwrap_or_default()
     }
@@ -51,8 +52,8 @@ impl Light {
         self.spanned().length()
     }
 
-    /// What share of its radiance a white matt surface reflects when nothing is in between: Lambert's formula for the
-    /// form factor of a polygon, 0 to 1.
+    /// The share of its radiance, from 0 to 1, that a white matt surface reflects when nothing is in between: the form
+    /// factor of a polygon, by Lambert's formula (J. H. Lambert, Photometria, 1760).
     pub(crate) fn form_factor(&self, point: DVec3, normal: DVec3) -> f64 {
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|place| self.point(place) - point);
         if self.normal().dot(corners[0]) >= 0.0 {
@@ -105,12 +106,12 @@ pub(crate) struct Detail {
 }
 
 impl Detail {
-    /// Facets of about a pixel in a picture of the default size.
+    /// The facets are about as large as a pixel in a picture of the default size.
     pub(crate) const FULL: Self = Self { bumpy: 6, smooth: 5, knot: [640, 72] };
 }
 
 const ROOM: [DVec3; 2] = [DVec3::new(-1.35, 0.0, -1.3), DVec3::new(1.35, 2.0, 2.6)];
-/// Shapes rest this far above what carries them, so that no surfaces touch.
+/// How far shapes stand above what carries them, so that no surfaces touch.
 const GAP: f64 = 1e-3;
 
 const WHITE: Material = Material::matt(0.76, 0.75, 0.72);
@@ -196,7 +197,7 @@ mod tests {
         assert_eq!(light.form_factor(DVec3::ZERO, DVec3::NEG_Y), 0.0);
         assert_eq!(light.form_factor(1.5 * DVec3::Y, DVec3::NEG_Y), 0.0, "behind the light");
 
-        // A tilted surface, whose horizon cuts the light in two: summed over small patches.
+        // The horizon of a tilted surface cuts the light in two; the expected value is summed over small patches.
         let normal = unit(DVec3::new(0.9, 0.2, 0.3)).expect("a direction");
         let steps = 400;
         let patches = (0..steps * steps).map(|patch| {

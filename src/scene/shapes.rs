@@ -1,4 +1,4 @@
-//! Closed triangle meshes of simple shapes, corners counter-clockwise as seen from outside.
+//! Simple shapes as closed triangle meshes, whose corners stand counter-clockwise as seen from outside.
 
 use std::collections::HashMap;
 
@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::picture::vector::unit;
 
-/// Positions, and triangles that index them.
+/// A triangle mesh in f64: positions, and triangles that index them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Shape {
     pub(crate) positions: Vec<DVec3>,
@@ -14,7 +14,8 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    /// A rectangle, seen from the side that `first x second` points to.
+    /// A parallelogram of two edges from a corner, seen from the side that the cross product `first x second` points
+    /// to.
     pub(crate) fn quad(corner: DVec3, first: DVec3, second: DVec3) -> Self {
         let opposite = corner + first + second;
         Self {
@@ -23,7 +24,7 @@ impl Shape {
         }
     }
 
-    /// A box around the origin.
+    /// A box around the origin, given by its largest corner.
     pub(crate) fn block(half: DVec3) -> Self {
         let positions = (0..8)
             .map(|corner| DVec3::from_array([0, 1, 2].map(|k| if corner >> k & 1 == 1 { half[k] } else { -half[k] })));
@@ -106,24 +107,26 @@ impl Shape {
         self
     }
 
-    /// Turned about the y axis, counter-clockwise as seen from above.
+    /// The shape turned about the y axis, counter-clockwise as seen from above.
     pub(crate) fn turned(self, degrees: f64) -> Self {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         self.map(|DVec3 { x, y, z }| DVec3::new(cosine * x + sine * z, y, cosine * z - sine * x))
     }
 
+    /// The shape scaled about its origin.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         self.map(|position| position * factor)
     }
 
-    /// Moved so that its own origin stands over `[x, z]` and its lowest point at the height `floor`.
+    /// The shape moved so that its own origin stands over `[x, z]` and its lowest point at the height `floor`.
     pub(crate) fn standing(self, [x, z]: [f64; 2], floor: f64) -> Self {
         let lowest = self.positions.iter().fold(f64::INFINITY, |lowest, position| lowest.min(position.y));
         self.map(|position| position + DVec3::new(x, floor - lowest, z))
     }
 }
 
-/// Half the parameter interval of a central difference: its error, the step's square, is far below f32's.
+/// Half the parameter interval of a central difference. Its error is about the step's square, 2^-32, far below the
+/// rounding of positions to f32, 2^-24.
 const STEP: f64 = 1.0 / (1 << 16) as f64;
 
 /// A unit sphere with round bumps at the points of a golden spiral.

@@ -1,4 +1,4 @@
-//! Rays from CSV: a header is optional; spaces and quotes around numbers, and empty lines, are not minded.
+//! Rays from CSV files. A header is optional; spaces and quotes around numbers, and empty lines, are passed over.
 
 use std::io::BufRead;
 

@@ -1,4 +1,4 @@
-//! Rays from files: a row each, columns ox oy oz dx dy dz, then t_min and t_max where given.
+//! Files of rays, which have a row for each ray: ox oy oz dx dy dz, then t_min and t_max where they are given.
 
 mod csv;
 mod error;
