@@ -3,6 +3,7 @@
 mod bvh;
 mod compact;
 mod contents;
+mod document;
 mod frozen;
 mod links;
 mod preamble;
