@@ -17,7 +17,7 @@ struct Hit {
 }
 
 @group(0) @binding(0) var<storage, read> nodes: array<vec4<u32>>;
-// Of each triangle: the first vertex with the primitive's index, and the edges from it.
+// Each triangle: the first vertex with the primitive's index, and the edges from it.
 @group(0) @binding(1) var<storage, read> triangles: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> rays: array<Ray>;
 // Each kernel writes one of the two.
@@ -32,12 +32,12 @@ const NONE: u32 = 0xffffffffu;
 const STACK: u32 = 32u;
 const NODE_QUADS: u32 = 5u;
 const TRIANGLE_QUADS: u32 = 3u;
-// Of a group, the hits that are nodes, nearest first from the top; below them which children are nodes.
+// A group: the hits that are nodes, nearest first from the top; below them which children are nodes.
 const NODES: u32 = 0xff000000u;
 // Stands for smaller direction components.
 const SMALLEST: f32 = 1e-20;
 
-// Of the bytes of a word, lowest first.
+// The bytes of a word, lowest first.
 fn bytes(word: u32) -> vec4<u32> {
     return (vec4<u32>(word) >> vec4<u32>(0u, 8u, 16u, 24u)) & vec4<u32>(0xffu);
 }

@@ -13,7 +13,7 @@ const DISTANCE: f64 = 1e-4;
 pub(crate) struct Judge<'a> {
     rays: &'a [Ray],
     expected: Vec<Hit>,
-    /// Of the scene.
+    /// The scene's extent.
     size: f64,
 }
 

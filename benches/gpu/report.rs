@@ -44,9 +44,9 @@ pub(crate) struct Row {
     pub(crate) hits: usize,
     /// Answers that are wrong by the CPU's.
     pub(crate) wrong: usize,
-    /// Of ours, those that differ from the CPU's in any bit.
+    /// Our hits that differ from the CPU's in any bit.
     pub(crate) differing: Option<usize>,
-    /// Of the structure on the device.
+    /// Bytes of the structure on the device.
     pub(crate) bytes: usize,
 }
 

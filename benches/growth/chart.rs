@@ -8,7 +8,7 @@ use plotters::prelude::*;
 use crate::{MEASURES, Point};
 
 const SIZE: (u32, u32) = (960, 560);
-/// Of the line that says whose curve is which.
+/// The size of the line that says whose curve is which.
 const HEAD: u32 = 28;
 const OURS: (&str, RGBColor) = ("leafwalk", RGBColor(0, 100, 200));
 const EMBREE: (&str, RGBColor) = ("Embree, the fastest way to call it", RGBColor(200, 90, 0));

@@ -66,7 +66,7 @@ pub(crate) struct Row {
     pub(crate) rays: usize,
     pub(crate) hits: usize,
     pub(crate) wrong: usize,
-    /// Of the structure.
+    /// Bytes of the structure.
     pub(crate) bytes: Option<usize>,
 }
 
@@ -77,7 +77,7 @@ impl Row {
         quantile(self.seconds.iter().map(rate).collect(), at)
     }
 
-    /// Of the times in seconds for a build, else of the speeds in Mrays/s.
+    /// The median of the times, in seconds for a build, else of the speeds, in Mrays/s.
     fn median(&self) -> f64 {
         self.quantile(0.5)
     }

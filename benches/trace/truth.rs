@@ -32,7 +32,7 @@ pub(crate) struct Truth<'a> {
     rays: &'a [Ray],
     /// Distance to the closest hit, in units of length.
     closest: Vec<Option<f64>>,
-    /// Of the rays that someone disagrees on.
+    /// The rays that some tracer disagrees on.
     verdicts: HashMap<usize, Verdict>,
 }
 

@@ -15,7 +15,7 @@ pub enum Blocks<'a> {
 /// Blocks that name their vertices by number.
 #[derive(Clone, Copy, Debug)]
 pub struct Indexed<'a> {
-    /// Without the corners.
+    /// The blocks, which hold no corners.
     pub blocks: &'a [IndexedBlock],
     /// The corners, in lattice units.
     pub vertices: &'a [[f32; 3]],
@@ -43,7 +43,7 @@ impl<'a> Indexed<'a> {
 impl<'a> Blocks<'a> {
     pub(crate) const EMPTY: Blocks<'static> = Blocks::Packed(&[]);
 
-    /// Of a file that has them in one way.
+    /// The blocks of a file; an error where it holds them both ways.
     pub(crate) fn new(packed: &'a [Block], indexed: Indexed<'a>) -> Result<Self, DecodeError> {
         match (packed.is_empty(), indexed.blocks.is_empty() && indexed.vertices.is_empty()) {
             (_, true) => Ok(Self::Packed(packed)),
@@ -77,12 +77,12 @@ impl<'a> Blocks<'a> {
         }
     }
 
-    /// All of them, first to last.
+    /// All blocks, first to last.
     pub fn iter(self) -> impl Iterator<Item = Block> + use<'a> {
         self.run(0, self.len())
     }
 
-    /// Those of a payload.
+    /// The blocks of a payload.
     pub fn of(self, payload: &Payload) -> impl Iterator<Item = Block> + use<'a> {
         self.run(payload.first as usize, payload.count as usize)
     }

@@ -6,8 +6,8 @@
 use crate::contract::{PADDING, SMALLEST, SMALLEST_DIRECTION};
 use crate::frame::{Frame, exponent, flush, power_of_two};
 use crate::lanes::{Bits, Lanes};
+use crate::policy::{Policy, Standard};
 use crate::ray::{CanonicalRay, Clock, Ray};
-use crate::testing::{Policy, Standard};
 use crate::unroll;
 
 /// Origins in this range surely lie within one root edge of the root, rounding or not.

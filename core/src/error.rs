@@ -41,7 +41,7 @@ pub enum DecodeError {
     Checksum {
         /// In the file.
         stored: u32,
-        /// Of the words present.
+        /// The checksum of the words present.
         computed: u32,
     },
     /// The section table does not fit.

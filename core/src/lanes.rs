@@ -23,7 +23,7 @@ pub trait Bits:
     + Shl<Output = Self>
     + Shr<Output = Self>
 {
-    /// The same value in every lane.
+    /// Lanes that all hold one value.
     fn splat(value: u32) -> Self;
     /// The sum, modulo 2^32.
     fn plus(self, other: Self) -> Self;
@@ -48,7 +48,7 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     /// How many lanes.
     const COUNT: usize;
 
-    /// The same value in every lane.
+    /// Lanes that all hold one value.
     fn splat(value: f32) -> Self;
     /// `self < other`.
     fn less(self, other: Self) -> Self::Mask;

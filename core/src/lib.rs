@@ -1,9 +1,26 @@
-//! The octree that rays walk: a serialized, pointer-free structure whose leaves know their face neighbours, the
-//! branchless step between them, and the watertight triangle test. No std, no allocation.
+//! The file format of leafwalk, and the scalar tracer that walks it: no std, no allocation, no unsafe code.
 //!
-//! An octree is a run of `u32` words ([`Octree`]), validated once and then traced in place. It is built by the crate
-//! `leafwalk-cpu`. Rays go in as [`Ray`], answers come back as [`Hit`]; [`Tracer`] is the batch interface that every
-//! backend shares.
+//! A file is a run of `u32` words. It holds two structures over the same blocks of triangles: an octree whose leaves know
+//! their face neighbours, and a bounding volume hierarchy (BVH) of eight children a node. This crate checks the words once
+//! ([`Octree::from_words`]), and then walks rays from leaf to leaf through them where they lie, in memory, in a memory map
+//! or in flash. The crate `leafwalk-cpu` builds files, and descends the BVH with eight lanes. No answer depends on the way
+//! to it, so both give the same bits.
+//!
+//! Rays go in as [`Ray`], answers come back as [`Hit`]; [`Tracer`] is the batch interface that every backend shares.
+//!
+//! ```
+//! use leafwalk_core::{DecodeError, Octree, Ray};
+//!
+//! /// How far a sensor sees; the words are a file.
+//! fn range(words: &[u32]) -> Result<Option<f32>, DecodeError> {
+//!     let octree = Octree::from_words(words)?;
+//!     let ray = Ray::new([0.25, 0.5, 2.0], [0.0, 0.0, -1.0]);
+//!     Ok(octree.closest_hit(&ray).map(|hit| hit.t))
+//! }
+//! assert!(range(&[]).is_err());
+//! ```
+//!
+//! [`layout`] says what the words mean, [`wire`] how they are framed, and [`contract`] which tolerances every tracer keeps.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![no_std]
 #![forbid(unsafe_code)]
@@ -19,6 +36,7 @@ pub mod layout;
 mod nearest;
 mod octree;
 mod parts;
+mod policy;
 mod ray;
 pub mod slabs;
 mod stats;

@@ -19,7 +19,7 @@ pub struct Nearest<L: Lanes = f32> {
 }
 
 impl<L: Lanes> Nearest<L> {
-    /// Nothing yet.
+    /// Rays with these limits that have hit nothing yet.
     #[inline(always)]
     pub fn between(t_min: L, t_max: L) -> Self {
         let zero = L::splat(0.0);
@@ -32,7 +32,8 @@ impl<L: Lanes> Nearest<L> {
         L::below(self.primitive, L::Bits::splat(u32::MAX))
     }
 
-    /// Takes hits that are accepted and nearer. At the ray's own limit none is.
+    /// Takes the hits that are accepted and nearer than those so far, or as near and of a smaller primitive. A hit at the
+    /// ray's own limit does not count.
     #[inline(always)]
     pub fn offer(&mut self, accepted: L::Mask, t: L, u: L, v: L, primitive: L::Bits) {
         let is_tie_won = t.equal(self.t) & L::below(primitive, self.primitive) & self.is_hit();
@@ -43,7 +44,7 @@ impl<L: Lanes> Nearest<L> {
         self.primitive = L::from_bits(primitive).or_else(is_nearer, L::from_bits(self.primitive)).bits();
     }
 
-    /// Leaves nothing nearer than a hit, whatever it is: its ray asks for no more.
+    /// Ends the search of the rays that have a hit: from now on nothing counts as nearer.
     #[inline(always)]
     pub fn finish(&mut self) {
         self.t = L::splat(f32::NEG_INFINITY).or_else(self.is_hit(), self.t);
@@ -51,7 +52,7 @@ impl<L: Lanes> Nearest<L> {
 }
 
 impl Nearest {
-    /// Nothing yet.
+    /// A ray that has hit nothing yet.
     #[inline(always)]
     pub fn new(ray: &CanonicalRay) -> Self {
         Self::between(ray.t_min, ray.t_max)

@@ -8,8 +8,8 @@ use crate::error::DecodeError;
 use crate::frame::Frame;
 use crate::layout::{BvhNode, Section};
 use crate::parts::{Parts, slice};
+use crate::policy::{Policy, Standard};
 use crate::stats::Stats;
-use crate::testing::{Policy, Standard};
 use crate::wire::{Header, Spans};
 use crate::{validate, wire};
 

@@ -20,7 +20,7 @@ pub struct Slabs<L> {
 }
 
 impl<L: Lanes> Slabs<L> {
-    /// Of origins and inverse directions in lattice steps; see [`crate::step::Line::inverse`].
+    /// The slabs of rays, given origins and inverse directions in lattice steps; see [`crate::step::Line::inverse`].
     #[inline(always)]
     pub fn new(origin: [L; 3], inverse: [L; 3]) -> Self {
         let (zero, margin, step) = (L::splat(0.0), L::splat(MARGIN), L::splat(1.0 + MARGIN));

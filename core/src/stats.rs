@@ -14,7 +14,7 @@ pub struct Stats {
     pub primitives: u32,
     /// Triangles left out because two vertices are equal after rounding.
     pub dropped: u32,
-    /// Of those, how many lost their extent by rounding: detail too small for the scene's extent.
+    /// Dropped triangles that lost their extent by rounding: detail too small for the scene's extent.
     pub collapsed: u32,
     /// Triangles listed, counted once a leaf.
     pub references: u32,

@@ -2,7 +2,7 @@
 //!
 //! Two ways to find the exit share the cell and link code: by the signs of Plücker products, as in the paper, and by
 //! slab distances. Both only ever move forward along the ray's octant, so the Morton key XOR the octant grows with every
-//! step and a walk ends whatever the rounding (ARCHITECTURE.md, "Step").
+//! step and a walk ends whatever the rounding (docs/contract.md, "Step").
 
 use crate::lanes::{Bits, Lanes};
 use crate::layout::{Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_SHIFT, Record};
@@ -85,7 +85,7 @@ pub struct Cell<L: Lanes> {
 }
 
 impl<L: Lanes> Cell<L> {
-    /// The same cell in every lane.
+    /// One cell in every lane.
     #[inline(always)]
     pub fn new(key: Key) -> Self {
         Self { corner: unroll!(k in 0..3 => L::Bits::splat(key.corner[k])), size: L::Bits::splat(key.size()) }

@@ -1,6 +1,6 @@
-//! Doors for tests: the clauses of the numeric contract that a test may switch off, to prove that it would notice.
+//! Doors for tests, which may switch clauses of the numeric contract off, to prove that they would notice.
 //!
-//! Nothing here is part of the API. Everything but tests traces with [`Standard`].
+//! Nothing here is part of the API.
 
 use crate::error::DecodeError;
 use crate::frame::Frame;
@@ -10,26 +10,7 @@ use crate::ray::{CanonicalRay, Ray};
 use crate::step::Step;
 use crate::trace::Walk;
 
-/// Which clauses hold.
-pub trait Policy: Copy {
-    /// The walk goes on past the exit plane by the padding.
-    const STOP_MARGIN: bool = true;
-    /// The walk ends at the first leaf that gives a hit.
-    const STOPS_AT_FIRST_HIT: bool = false;
-    /// The root's test is dilated by the padding.
-    const DILATES_ROOT: bool = true;
-    /// `t_min` of a moved ray is clamped to its new origin.
-    const CLAMPS_T_MIN: bool = false;
-    /// Hits are ordered by the t that is reported.
-    const ORDERS_BY_REPORTED: bool = false;
-    /// The mesh keeps its margin inside the root; only files that break the contract lack it.
-    const KEEPS_MESH_MARGIN: bool = true;
-}
-
-/// The contract as it stands.
-#[derive(Clone, Copy, Debug)]
-pub struct Standard;
-impl Policy for Standard {}
+pub use crate::policy::{Policy, Standard};
 
 /// [`Octree::from_sealed`] under a policy.
 ///

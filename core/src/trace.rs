@@ -6,10 +6,10 @@ use crate::layout::{BLOCK_WIDTH, Block, Key, LATTICE, LINK_NONE, PAYLOAD_BLOCKS,
 use crate::nearest::Nearest;
 use crate::octree::Octree;
 use crate::parts::Parts;
+use crate::policy::{Policy, Standard};
 use crate::ray::{CanonicalRay, Hit, Ray};
 use crate::slabs::Slabs;
 use crate::step::{Cell, Line, Slab, Step, cross, link_kind, neighbour};
-use crate::testing::{Policy, Standard};
 use crate::triangle::{Candidate, Shear, Sheared};
 use crate::unroll;
 

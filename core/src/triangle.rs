@@ -64,7 +64,7 @@ impl<L: Lanes> Shear<L> {
 }
 
 impl<L: Lanes> Shear<L> {
-    /// The same ray in every lane.
+    /// A shear that holds one ray in every lane.
     #[inline(always)]
     pub fn splat(shear: &Shear<f32>) -> Self {
         Self {
@@ -132,7 +132,7 @@ impl<L: Lanes> Sheared<L> {
     /// Decides the candidates exactly, for the corners as rounded by the shear, and gives their distance and weights.
     ///
     /// Without the exact finish a needle or a ray in the plane is hit far from the triangle
-    /// (ARCHITECTURE.md, "Triangle test").
+    /// (docs/contract.md, "Triangle test").
     #[inline(always)]
     pub fn finish(&self, shear: &Shear<L>) -> (L::Mask, Candidate<L>) {
         let [ax, bx, cx] = unroll!(c in 0..3 => self.x[c].flush(SMALLEST_SHEARED));

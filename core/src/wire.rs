@@ -24,7 +24,7 @@ pub struct Header {
     pub primitives: u32,
     /// Triangles left out because two of their vertices are equal after rounding.
     pub dropped: u32,
-    /// Of those, how many had three different vertices in the mesh.
+    /// Dropped triangles that had three different vertices in the mesh.
     pub collapsed: u32,
     /// Triangles listed in leaves, counted once a leaf.
     pub references: u32,

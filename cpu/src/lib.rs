@@ -4,6 +4,22 @@
 //! [`leafwalk_core`] walks, and a bounding volume hierarchy of eight children a node, which [`CpuTracer`] descends with
 //! eight lanes. No answer depends on the way to it, so both give the same bits.
 //!
+//! Give [`CpuTracer`] many rays at once where there are many: it traces rays that go the same way together. Its
+//! [`closest_hit`](CpuTracer::closest_hit) is for rays that depend on the answer of the one before.
+//!
+//! ```
+//! use leafwalk_core::{Hit, Ray, Tracer};
+//! use leafwalk_cpu::{Builder, CpuTracer, Mesh};
+//!
+//! let mesh = Mesh::new(vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
+//! let tracer = CpuTracer::new(Builder::new().build(&mesh)?);
+//! let rays = [Ray::new([0.25, 0.5, 2.0], [0.0, 0.0, -1.0])];
+//! let mut hits = [Hit::MISS];
+//! tracer.closest_hits(&rays, &mut hits)?;
+//! assert_eq!(tracer.closest_hit(&rays[0]), Some(hits[0]));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! How a batch of rays is traced is told where `trace` begins; `lanes` are the registers that it runs on.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(unsafe_code)]

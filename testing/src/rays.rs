@@ -110,7 +110,7 @@ pub enum Shared {
     Origin,
     /// Where they end, as shadow rays do.
     End,
-    /// Nothing else.
+    /// Rays that share nothing else.
     Nothing,
     /// Where they go, for all rays, and where they start, for each eight in a row.
     Eights,

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 pub struct Tally {
     /// Rays that were checked.
     pub rays: u64,
-    /// Those among them that hit something.
+    /// The rays that hit something.
     pub hits: u64,
     /// What was wrong, over all rays.
     pub faults: u64,

@@ -34,7 +34,7 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// Nothing was hit.
+    /// The answer of a ray that hits nothing.
     pub const MISS: Self = Self { t: f32::INFINITY, primitive: u32::MAX };
 }
 

@@ -27,7 +27,7 @@ pub enum Section {
 }
 
 impl Section {
-    /// All of them, in file order.
+    /// All sections, in file order.
     pub const ALL: [Self; 10] = [
         Self::Header,
         Self::Records,

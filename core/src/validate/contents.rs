@@ -68,7 +68,7 @@ impl<'a> Contents<'a> {
             && (count..PAYLOAD_BLOCKS).all(|block| payload.boxed(block) == LatticeBox::EMPTY)
     }
 
-    /// Nothing may be left over.
+    /// Checks that no payload and no block is left over.
     pub(super) fn finish(&self) -> Result<(), DecodeError> {
         let Parts { payloads, blocks, .. } = self.parts;
         if self.payloads as usize != payloads.len() {

@@ -21,7 +21,7 @@ pub(crate) fn payload_count(references: usize) -> usize {
 #[derive(Default)]
 pub(crate) struct Listing {
     pub(crate) payloads: Vec<Payload>,
-    /// Of each leaf, block after block.
+    /// The triangles of each leaf, by their places in the list of all, block after block.
     pub(crate) references: Vec<u32>,
     /// How many of them each leaf has.
     pub(crate) counts: Vec<usize>,

@@ -30,8 +30,8 @@ use crate::mesh::Mesh;
 use monitor::Monitor;
 use tree::Tree;
 
-/// Cost of a step over the cost of a triangle test. Measured on four scenes (ARCHITECTURE.md,
-/// "Split rule").
+/// Cost of a step over the cost of a triangle test. Measured on four scenes
+/// (docs/choices.md, "Leaves of up to about 192 triangles").
 const STEP_COST: f32 = 192.0;
 /// References that a build may make for each triangle.
 const BUDGET: f32 = 8.0;
@@ -152,7 +152,7 @@ impl Builder {
     }
 
     /// Names the corners of triangles by number instead of repeating them: about half the bytes, the same answers, and
-    /// slower to trace (ARCHITECTURE.md, "Choices").
+    /// slower to trace (docs/choices.md, "Compact octrees name their corners").
     #[must_use]
     pub fn compact(self) -> Self {
         Self { is_compact: true, ..self }

@@ -25,7 +25,7 @@ pub(crate) struct Normalised {
     pub(crate) triangles: Vec<Triangle>,
     /// Left out: two corners are equal after rounding, or one is not finite (lenient builds).
     pub(crate) dropped: u32,
-    /// Of those, how many had three different corners before rounding.
+    /// Dropped triangles that had three different corners before rounding.
     pub(crate) collapsed: u32,
     /// The largest move of a coordinate by rounding, in lattice units.
     pub(crate) rounding: f32,
@@ -42,7 +42,7 @@ pub(crate) fn normalise(mesh: &Mesh) -> Result<Normalised, BuildError> {
     normalise_with(mesh, NonFinite::Refused)
 }
 
-/// With vertices on the root's faces, which the contract forbids.
+/// [`normalise`] with vertices on the root's faces, which the contract forbids.
 pub(crate) fn normalise_touching(mesh: &Mesh) -> Result<Normalised, BuildError> {
     normalise_into(mesh, NonFinite::Refused, frame_touching)
 }
@@ -115,7 +115,7 @@ fn used_vertices(mesh: &Mesh, non_finite: NonFinite) -> Result<Vec<AtomicBool>, 
         }
         are_sound
     };
-    // All of them, whatever the first few give.
+    // All triangles are looked at, whatever the first few give.
     let are_sound = mesh.triangles.par_iter().map(mark).reduce(|| true, |a, b| a & b);
     if !are_sound {
         check_vertices(mesh, non_finite)?;

@@ -102,7 +102,7 @@ impl Split {
         (axes(span.lower.simd_le(self.below)), axes(span.upper.simd_ge(self.above)))
     }
 
-    /// Those of some children that the triangle meets.
+    /// The children among some candidates that the triangle meets.
     #[inline(never)]
     fn children_among(&self, candidates: u8, corners: &[[f32; 3]; 3]) -> u8 {
         // Children that hold a corner need no proof.
@@ -128,7 +128,7 @@ impl Split {
 const UPPER: [u8; 3] = [0b1010_1010, 0b1100_1100, 0b1111_0000];
 /// By the axes along which something reaches into the lower half: the children that it may meet.
 const BELOW: [u8; 8] = but_for(UPPER);
-/// The same of upper halves.
+/// By the axes along which something reaches into the upper half: the children that it may meet.
 const ABOVE: [u8; 8] = but_for([!UPPER[0], !UPPER[1], !UPPER[2]]);
 
 /// Entry i: the children that are, along every axis whose bit in i is clear, in the other half.

@@ -212,7 +212,7 @@ impl Grower<'_> {
         counts
     }
 
-    /// With no triangle in two children, the case of the largest gain.
+    /// Whether a split could gain anything: it does most where no triangle lies in two children.
     fn may_gain(&self, len: usize) -> bool {
         self.gain(len, len) > 0.0
     }

@@ -2,7 +2,7 @@
 #![allow(unsafe_code, reason = "instructions of a register set that the compiler may not assume")]
 // SAFETY of every block here: the intrinsics need AVX2 and FMA and nothing else, bar loads and stores, whose pointers
 // come from references to eight elements. `Avx2` is private to this file, and only `Available::run` names it; an
-// `Available` comes from its detection alone. The figure that justifies the file: see ARCHITECTURE.md, "Registers".
+// `Available` comes from its detection alone. The figure that justifies the file: see docs/choices.md, "Registers".
 #![allow(clippy::undocumented_unsafe_blocks, reason = "one argument covers all, above")]
 
 use core::arch::x86_64::*;
@@ -198,7 +198,7 @@ impl Eight for Avx2 {
     }
     #[inline(always)]
     fn order(neg: u32) -> Avx2Bits {
-        // Of each lane, the two bytes of its slot, then zeros: where a byte's number is negative.
+        // Each lane takes the two bytes of its slot, then zeros, which stand where a byte's number is negative.
         let slots =
             unsafe { _mm256_xor_si256(_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), _mm256_set1_epi32(neg as i32)) };
         let low = unsafe { _mm256_add_epi32(slots, slots) };

@@ -45,7 +45,7 @@ pub(crate) trait Kernel {
 /// The registers that kernels run on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Registers {
-    /// Those that the compiler may assume.
+    /// The registers that the compiler may assume.
     Portable,
     /// AVX2 and FMA.
     #[cfg(target_arch = "x86_64")]

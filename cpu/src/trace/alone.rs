@@ -24,7 +24,7 @@ pub(crate) enum Way {
     Auto,
     /// Ray by ray.
     Single,
-    /// Those of an octant together.
+    /// All rays of an octant together.
     Stream,
     /// Twelve at a time, each on its own way.
     Interleaved,
@@ -83,7 +83,8 @@ impl<'a, L: Eight> Alone<'a, L> {
         match self.way {
             Way::Auto | Way::Single => {
                 let Some(packet) = packet else { return };
-                while let Some((index, probe)) = packet.take::<L>() {
+                while packet.waiting() != 0 {
+                    let (index, probe) = packet.take::<L>();
                     answers[index] = Q::answer(&probe.clock, &descend::<L, B, Q>(bvh, &probe, stack));
                 }
             }

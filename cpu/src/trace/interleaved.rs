@@ -55,39 +55,33 @@ impl<L: Eight> Interleaved<L> {
     pub(crate) fn admit<B: BlockSource, Q: Query>(
         &mut self,
         bvh: &Bvh<'_, B>,
-        mut packet: Option<&mut Packet>,
+        packet: Option<&mut Packet>,
         answers: &mut [Q::Answer],
     ) {
-        let is_end = packet.is_none();
-        loop {
-            let next = match &mut packet {
-                Some(packet) => packet.take(),
-                None => None,
-            };
-            match next {
-                Some((index, probe)) if self.is_free => {
-                    let slot = &mut self.slots[self.turn];
-                    (slot.index, slot.probe, slot.child) = (index, probe, ROOT);
-                    slot.stack.clear();
+        let Some(packet) = packet else {
+            while !self.slots.is_empty() {
+                if self.is_free {
+                    self.slots.swap_remove(self.turn);
                     self.is_free = false;
+                } else {
+                    self.trace::<B, Q>(bvh, answers);
                 }
-                Some((index, probe)) => {
-                    self.slots.push(Slot { probe, index, child: ROOT, stack: Stack::new() });
-                    if self.slots.len() < SLOTS {
-                        continue;
-                    }
-                }
-                None if !is_end => return,
-                None if self.is_free => {
-                    drop(self.slots.swap_remove(self.turn));
-                    self.is_free = false;
-                }
-                None => {}
             }
-            if self.slots.is_empty() {
-                return;
+            return;
+        };
+        while packet.waiting() != 0 {
+            let (index, probe) = packet.take();
+            if self.is_free {
+                let slot = &mut self.slots[self.turn];
+                (slot.index, slot.probe, slot.child) = (index, probe, ROOT);
+                slot.stack.clear();
+                self.is_free = false;
+            } else {
+                self.slots.push(Slot { probe, index, child: ROOT, stack: Stack::new() });
             }
-            self.trace::<B, Q>(bvh, answers);
+            if self.slots.len() == SLOTS {
+                self.trace::<B, Q>(bvh, answers);
+            }
         }
     }
 

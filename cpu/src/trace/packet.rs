@@ -14,6 +14,9 @@ use leafwalk_core::{Clock, Frame, Nearest, Ray, unroll};
 use super::probe::Probe;
 use crate::lanes::Eight;
 
+/// Packets of a tile.
+pub(crate) const PACKETS: usize = 8;
+
 /// Eight numbers in memory, one a ray.
 pub(crate) type Row = [f32; 8];
 
@@ -210,14 +213,12 @@ impl Packet {
         Nearest::between(L::load(&self.t_min), L::load(&self.t_max))
     }
 
-    /// The next ray that waits, with its place in the batch.
+    /// The next ray that waits, of which there must be one, with its place in the batch.
     #[inline(always)]
-    pub(crate) fn take<L: Eight>(&mut self) -> Option<(usize, Probe<L>)> {
-        if self.waiting == 0 {
-            return None;
-        }
+    pub(crate) fn take<L: Eight>(&mut self) -> (usize, Probe<L>) {
+        debug_assert!(self.waiting != 0);
         let lane = self.waiting.trailing_zeros() as usize & 7;
-        self.waiting &= self.waiting - 1;
+        self.waiting &= self.waiting.wrapping_sub(1);
         let probe = Probe {
             slabs: Slabs {
                 inverse: unroll!(k in 0..3 => L::splat(self.inverse[k][lane])),
@@ -234,7 +235,7 @@ impl Packet {
             nearest: Nearest::between(self.t_min[lane], self.t_max[lane]),
             clock: self.clocks.get(lane),
         };
-        Some((self.first as usize + lane, probe))
+        (self.first as usize + lane, probe)
     }
 }
 

@@ -1,7 +1,6 @@
 //! `Run`: packets in a row that go with each other, of which a tile may be made.
 
-use super::packet::Packet;
-use super::tile::PACKETS;
+use super::packet::{PACKETS, Packet};
 
 /// Uniform packets of one octant and one main axis, and the packet that ended their run.
 pub(crate) struct Run {

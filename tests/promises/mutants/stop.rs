@@ -2,7 +2,7 @@
 //!
 //! Padding hides it: what a walk would stop before lies so close behind the plane that the leaf on this side lists it
 //! as well. To be seen, a triangle more than 32 roundoffs (of the root's edge) behind the plane would need a t' that falls
-//! before it. The bound is 35: e2 + ez + 6 for the comparison, see ARCHITECTURE.md, "Padding". The worst of 2.5e8 rays
+//! before it. The bound is 35: e2 + ez + 6 for the comparison, see docs/contract.md, "Stop margin". The worst of 2.5e8 rays
 //! and triangles, found by climbing, is 8.1. So the octree is binned without padding, and its rays pass through the
 //! middle of faces, where no step goes wrong: there the margin alone decides.
 

@@ -15,10 +15,9 @@ use leafwalk_core::lanes::Lanes;
 use leafwalk_core::layout::{BvhNode, LATTICE};
 use leafwalk_core::unroll;
 
-use super::PACKETS;
 use super::range::Range;
 use crate::lanes::Eight;
-use crate::trace::packet::Packet;
+use crate::trace::packet::{PACKETS, Packet};
 
 /// How far outside its planes a beam still looks (lattice units).
 ///

@@ -4,12 +4,11 @@ use leafwalk_core::lanes::Mask as _;
 use leafwalk_core::layout::{BVH_WIDTH, BvhNode};
 use leafwalk_core::unroll;
 
-use super::PACKETS;
 use super::hits::TileHits;
 use crate::lanes::Eight;
 use crate::trace::bvh::node::NearFarBoxes;
 use crate::trace::bvh::stack::in_order;
-use crate::trace::packet::{Packet, Row};
+use crate::trace::packet::{PACKETS, Packet, Row};
 
 /// Which children of a node are met, a mask of places in the rays' order, and by which rays each, a bit a ray.
 pub(crate) type ChildrenMet = (u32, [u64; BVH_WIDTH]);

@@ -3,10 +3,9 @@
 use leafwalk_core::lanes::Mask as _;
 use leafwalk_core::{Nearest, unroll};
 
-use super::PACKETS;
 use super::range::Range;
 use crate::lanes::Eight;
-use crate::trace::packet::{Packet, integers};
+use crate::trace::packet::{PACKETS, Packet, integers};
 
 /// A number for each ray.
 type Rows<T> = [[T; 8]; PACKETS];

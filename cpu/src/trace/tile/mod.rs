@@ -27,7 +27,7 @@ use leafwalk_core::unroll;
 use super::bvh::node::test_block;
 use super::bvh::stack::{END, TileStack, in_order};
 use super::bvh::{BlockSource, Bvh, ROOT};
-use super::packet::Packet;
+use super::packet::{PACKETS, Packet};
 use super::query::Query;
 use super::stream::column;
 use crate::lanes::Eight;
@@ -36,8 +36,6 @@ use cull::RayCull;
 use hits::TileHits;
 use near::{EarliestEntry, along};
 
-/// Packets of a tile.
-pub(crate) const PACKETS: usize = 8;
 /// Rays of a tile.
 const RAYS: usize = 8 * PACKETS;
 /// Triangles of which a tile remembers that it has tested them: a power of two.

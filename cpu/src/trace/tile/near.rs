@@ -4,11 +4,10 @@ use leafwalk_core::contract::BOX_MARGIN;
 use leafwalk_core::layout::BvhNode;
 use leafwalk_core::unroll;
 
-use super::PACKETS;
 use super::beam::STEPS;
 use super::range::Range;
 use crate::lanes::Eight;
-use crate::trace::packet::Packet;
+use crate::trace::packet::{PACKETS, Packet};
 
 /// Where along axis 2 rays may hit anything: inside the root, between their ends. Never empty.
 #[inline(always)]

@@ -2,8 +2,8 @@
 
 use leafwalk_core::lanes::Lanes;
 
-use super::PACKETS;
 use crate::lanes::Eight;
+use crate::trace::packet::PACKETS;
 
 /// The least and the greatest of some numbers.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +27,7 @@ impl<L: Lanes> Range<L> {
 }
 
 impl<L: Eight> Range<L> {
-    /// The same range in every lane.
+    /// One range in every lane.
     #[inline(always)]
     pub(crate) fn splat(range: Range<f32>) -> Self {
         Self { least: L::splat(range.least), greatest: L::splat(range.greatest) }

@@ -1,0 +1,24 @@
+//! `Policy`: the clauses of the numeric contract that a test may switch off, to prove that it would notice.
+//!
+//! Everything but tests traces with [`Standard`]; tests reach the policies through [`crate::testing`].
+
+/// Which clauses hold.
+pub trait Policy: Copy {
+    /// The walk goes on past the exit plane by the padding.
+    const STOP_MARGIN: bool = true;
+    /// The walk ends at the first leaf that gives a hit.
+    const STOPS_AT_FIRST_HIT: bool = false;
+    /// The root's test is dilated by the padding.
+    const DILATES_ROOT: bool = true;
+    /// `t_min` of a moved ray is clamped to its new origin.
+    const CLAMPS_T_MIN: bool = false;
+    /// Hits are ordered by the t that is reported.
+    const ORDERS_BY_REPORTED: bool = false;
+    /// The mesh keeps its margin inside the root; only files that break the contract lack it.
+    const KEEPS_MESH_MARGIN: bool = true;
+}
+
+/// The contract as it stands.
+#[derive(Clone, Copy, Debug)]
+pub struct Standard;
+impl Policy for Standard {}
