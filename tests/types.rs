@@ -48,8 +48,9 @@ fn types_of_mesh_files_are_for_many_threads() {
 #[cfg(feature = "gpu")]
 fn types_of_gpus_are_for_many_threads() {
     use leafwalk::gpu::{
-        Adapter, AdapterChoice, DeviceHits, DeviceOcclusions, DeviceRays, Flavour, Gpu, GpuError, GpuTracer, SelfTest,
+        Adapter, AdapterChoice, DeviceHits, DeviceOcclusions, DeviceRays, Flavour, Gpu, GpuError, GpuTracer,
+        RayGenerator, SelfTest,
     };
     assert_send_and_sync!(Adapter, DeviceHits, DeviceOcclusions, DeviceRays, Flavour, Gpu, GpuError, GpuTracer);
-    assert_send_and_sync!(AdapterChoice, SelfTest);
+    assert_send_and_sync!(AdapterChoice, RayGenerator, SelfTest);
 }
