@@ -59,6 +59,25 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
         }
     }
 
+    fn borrowed(&self) -> CpuTracer<&[u32]> {
+        let Self { ref octree, frame, registers, tiling, way } = *self;
+        CpuTracer { octree: octree.view(), frame, registers, tiling, way }
+    }
+}
+
+/// What every batch comes to, whatever holds the words.
+///
+/// The first two have no type parameter, so the kernels are compiled here, once. They take most of a minute to compile,
+/// and each crate that traces would compile them anew.
+impl CpuTracer<&[u32]> {
+    fn find_closest(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
+        self.batches::<ClosestHit>(rays, hits)
+    }
+
+    fn find_any(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
+        self.batches::<AnyHit>(rays, occluded)
+    }
+
     fn batches<Q: Query>(&self, rays: &[Ray], answers: &mut [Q::Answer]) -> Result<(), LengthMismatch> {
         match self.octree.blocks() {
             Blocks::Packed(blocks) => self.batches_in::<_, Q>(blocks, rays, answers),
@@ -91,11 +110,11 @@ impl<W: AsRef<[u32]> + Sync> Tracer for CpuTracer<W> {
     type Error = LengthMismatch;
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
-        self.batches::<ClosestHit>(rays, hits)
+        self.borrowed().find_closest(rays, hits)
     }
 
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
-        self.batches::<AnyHit>(rays, occluded)
+        self.borrowed().find_any(rays, occluded)
     }
 }
 
