@@ -54,7 +54,7 @@ impl RecordHead {
         self.0 & T_COUNT_MASK
     }
 
-    /// 0 for the root, up to [`MAX_LEVEL`].
+    /// 0 for the root, up to [`super::MAX_LEVEL`].
     #[inline]
     pub fn level(self) -> u32 {
         self.0 >> LEVEL_SHIFT & LEVEL_MASK
