@@ -4,6 +4,7 @@ mod bvh;
 mod compact;
 mod contents;
 mod document;
+mod embedded;
 mod frozen;
 mod links;
 mod preamble;
