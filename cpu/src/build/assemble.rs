@@ -12,12 +12,13 @@ use rayon::prelude::*;
 
 use super::bvh;
 use super::compact::index;
+use super::error::BuildError;
 use super::leaf::{Lister, Listing, block_count};
 use super::link::{Linked, Payloads, link};
 use super::monitor::Monitor;
 use super::normalise::Normalised;
+use super::settings::{Settings, Spoiled};
 use super::tree::Tree;
-use super::{BuildError, Settings, Spoiled};
 use crate::mesh::Mesh;
 
 /// Leaves a task fills.

@@ -5,7 +5,7 @@ use wide::f32x4;
 
 use super::bounds::Bounds;
 use super::part::{Cell, Part};
-use super::{Settings, Spoiled};
+use super::settings::{Settings, Spoiled};
 
 /// Blocks that `references` triangles fill.
 pub(crate) fn block_count(references: usize) -> usize {

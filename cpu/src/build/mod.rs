@@ -1,4 +1,14 @@
-//! Mesh -> octree words: normalise, split and balance, link, fill leaves.
+//! From a mesh to the words of a file.
+//!
+//! ```text
+//! normalise   vertices into lattice units, triangles without extent left out
+//! tree        split cells while that pays, and balance the octree
+//! assemble    link     number the nodes, link each leaf to its neighbours, make the entry grid
+//!             leaf     group what each leaf lists into blocks of eight, with their boxes
+//!             bvh      grow the BVH over all blocks
+//!             compact  where asked, name corners by number
+//!             write the sections; the decoder validates them
+//! ```
 
 mod assemble;
 mod bounds;
@@ -12,6 +22,7 @@ mod monitor;
 mod normalise;
 mod overlap;
 mod part;
+mod settings;
 mod span;
 mod tree;
 
@@ -22,12 +33,15 @@ use leafwalk_core::contract::PADDING;
 use leafwalk_core::layout::MAX_LEVEL;
 
 pub use error::BuildError;
+pub use monitor::Progress;
 pub(crate) use normalise::{NonFinite, Normalised, normalise, normalise_with};
 pub(crate) use overlap::Split;
 pub(crate) use part::box_inside;
+pub use settings::Spoiled;
 
 use crate::mesh::Mesh;
 use monitor::Monitor;
+use settings::Settings;
 use tree::Tree;
 
 /// Cost of a step over the cost of a triangle test. Measured on four scenes
@@ -39,13 +53,6 @@ const BUDGET: f32 = 8.0;
 const LEAST_BUDGET: usize = 4096;
 /// Half of the machines that a build is meant for have more.
 const MEMORY_LIMIT: u64 = 16 << 30;
-
-/// How far a build has come.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
-    /// Work done, 0 to 1; never decreases.
-    pub fraction: f32,
-}
 
 /// Builds octrees.
 ///
@@ -59,42 +66,6 @@ pub struct Builder {
     non_finite: NonFinite,
     is_compact: bool,
     pub(crate) spoiled: Spoiled,
-}
-
-/// Clauses of the numeric contract that a test may have broken, to prove that it would notice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Spoiled {
-    /// The contract holds.
-    Nothing,
-    /// Triangles are binned without padding, though the header claims it.
-    Padding,
-    /// Collinear triangles are dropped.
-    CollinearTriangles,
-    /// The mesh may touch the root's faces.
-    MeshMargin,
-    /// Boxes are a lattice step too small.
-    Boxes,
-}
-
-/// What the stages of a build share.
-pub(crate) struct Settings {
-    step_cost: f32,
-    max_level: u32,
-    /// References in all.
-    budget: usize,
-    memory_limit: u64,
-    padding: f32,
-    is_compact: bool,
-    spoiled: Spoiled,
-}
-
-impl Settings {
-    /// An error where the build may not use so many bytes.
-    fn check_memory(&self, needed: u64) -> Result<(), BuildError> {
-        let limit = self.memory_limit;
-        if needed > limit { Err(BuildError::OutOfMemory { needed, limit }) } else { Ok(()) }
-    }
 }
 
 impl Default for Builder {

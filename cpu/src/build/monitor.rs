@@ -3,7 +3,14 @@
 use core::ops::ControlFlow;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-use super::{BuildError, Progress};
+use super::error::BuildError;
+
+/// How far a build has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Work done, 0 to 1; never decreases.
+    pub fraction: f32,
+}
 
 /// Passes progress on to the caller, and remembers a request to stop.
 pub(crate) struct Monitor<'a> {

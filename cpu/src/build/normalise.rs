@@ -7,7 +7,7 @@ use leafwalk_core::layout::Triangle;
 use leafwalk_core::testing::frame_touching;
 use rayon::prelude::*;
 
-use super::BuildError;
+use super::error::BuildError;
 use crate::mesh::Mesh;
 
 /// Bytes that the normalised mesh takes, and what it is made from.

@@ -3,9 +3,10 @@
 use leafwalk_core::layout::{Key, LATTICE, NONE, Triangle};
 use rayon::prelude::*;
 
+use super::error::BuildError;
 use super::monitor::Monitor;
 use super::overlap::Split;
-use super::{BuildError, Settings};
+use super::settings::Settings;
 
 /// References a task bins.
 const BIN_CHUNK: usize = 8192;
