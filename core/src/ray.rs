@@ -30,6 +30,13 @@ impl Ray {
         Self { origin: origin.into(), t_min, direction: direction.into(), t_max }
     }
 
+    /// The point `origin + t * direction`, computed in f64 and rounded once.
+    ///
+    /// Far from the origin it may lie off the triangle that was hit there; [`Hit::position`] lies on it.
+    pub fn at(&self, t: f32) -> [f32; 3] {
+        core::array::from_fn(|k| (f64::from(self.origin[k]) + f64::from(t) * f64::from(self.direction[k])) as f32)
+    }
+
     /// Whether the ray can be traced at all; an invalid ray misses.
     pub fn is_valid(&self) -> bool {
         let finite = self.origin.iter().chain(&self.direction).all(|c| c.is_finite());

@@ -6,7 +6,7 @@ use crate::error::DecodeError;
 use crate::frame::Frame;
 use crate::octree::Octree;
 use crate::parts::Parts;
-use crate::ray::{CanonicalRay, Ray};
+use crate::ray::{CanonicalRay, Hit, Ray};
 use crate::step::Step;
 use crate::trace::Walk;
 
@@ -28,6 +28,11 @@ pub fn canonical<P: Policy>(frame: &Frame, ray: &Ray) -> Option<CanonicalRay> {
 /// The walk by any kind of step under any policy.
 pub fn walk<'a, S: Step, P: Policy>(parts: &'a Parts<'a>) -> Walk<'a, S, P> {
     Walk::with(parts)
+}
+
+/// [`Hit::spawn`] with another offset from the triangle, in the caller's units, than [`Frame::clearance`].
+pub fn spawn_lifted(hit: &Hit, corners: &[[f32; 3]; 3], direction: [f32; 3], lift: f64) -> Ray {
+    hit.spawn_lifted(corners, direction, lift)
 }
 
 /// [`Frame::around`] without the margin that the contract demands: the mesh may touch the root's faces.

@@ -45,7 +45,7 @@ pub(crate) fn closest_hits_with_work<W: AsRef<[u32]> + Sync>(octree: &Octree<W>,
     let walk = Walk::new(&parts);
     let answer = |ray: &Ray| {
         let (hit, work) = walk.closest_hit_with_work(ray);
-        (hit.unwrap_or(Hit::MISS), work)
+        (Hit::from(hit), work)
     };
     rays.par_iter().map(answer).collect()
 }

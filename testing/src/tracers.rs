@@ -24,7 +24,7 @@ macro_rules! tracer {
             type Error = LengthMismatch;
 
             fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
-                one_by_one(rays, hits, |ray| self.answer(ray).unwrap_or(Hit::MISS))
+                one_by_one(rays, hits, |ray| Hit::from(self.answer(ray)))
             }
 
             fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {

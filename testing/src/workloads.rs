@@ -2,7 +2,7 @@
 //! chords (R).
 
 use glam::Vec3;
-use leafwalk_core::{Aabb, Hit, Octree, Ray, Tracer};
+use leafwalk_core::{Aabb, Frame, Hit, Octree, Ray, Tracer};
 use leafwalk_cpu::{CpuTracer, Mesh};
 
 use super::random::Random;
@@ -25,10 +25,8 @@ pub fn all<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &Mesh, inside: bool, side:
     let primary = if inside { panorama(&bounds, side) } else { rays::primary(&bounds, side) };
     let mut hits = vec![Hit::MISS; primary.len()];
     CpuTracer::new(octree.view()).closest_hits(&primary, &mut hits).expect("equal lengths");
-    let surface = |i: usize| {
-        let hit = hits[i];
-        (!hit.is_miss()).then(|| lifted(mesh, &primary[i], &hit))
-    };
+    let frame = octree.frame();
+    let surface = |i: usize| Some(lifted(mesh, &frame, &primary[i], &hits[i].ok()?));
     // Inside under the ceiling; outside above the scene and beside the camera, so that it lights what the camera sees.
     let light = point(&bounds, if inside { [0.5, 0.95, 0.5] } else { [1.5, 1.6, 0.8] });
     let towards_light = |(p, _): (Vec3, Vec3)| Ray::between(p, Vec3::from(light) - p, 0.0, 1.0);
@@ -63,16 +61,12 @@ fn panorama(bounds: &Aabb, side: u32) -> Vec<Ray> {
 }
 
 /// The hit point, lifted off the surface towards the ray's origin, and the normal on that side.
-fn lifted(mesh: &Mesh, ray: &Ray, hit: &Hit) -> (Vec3, Vec3) {
-    let [a, b, c] = mesh.corners(hit.primitive as usize).map(Vec3::from);
-    let mut n = (b - a).cross(c - a);
-    if n.dot(ray.direction.into()) > 0.0 {
-        n = -n;
-    }
-    let n = n / n.length().max(f32::MIN_POSITIVE);
-    let p = a + hit.u * (b - a) + hit.v * (c - a);
-    let reach = p.abs().max_element() * 1e-5;
-    (p + reach * n, n)
+fn lifted(mesh: &Mesh, frame: &Frame, ray: &Ray, hit: &Hit) -> (Vec3, Vec3) {
+    let normal = Vec3::from(mesh.normal(hit.primitive as usize));
+    let normal = if mesh.front(hit, ray.direction) { normal } else { -normal };
+    let back = ray.direction.map(|c| -c);
+    let spawned = hit.spawn(frame, &mesh.corners(hit.primitive as usize), back);
+    (spawned.origin.into(), normal)
 }
 
 fn cosine(n: Vec3, random: &mut Random) -> Vec3 {

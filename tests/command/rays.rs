@@ -49,7 +49,7 @@ fn sphere() -> (Shell, Octree<Vec<u32>>) {
 
 /// The answers that the library gives to the first columns of the rows.
 fn expected(octree: &Octree<Vec<u32>>, columns: usize) -> Vec<Hit> {
-    rows().iter().map(|row| octree.closest_hit(&ray(&row[..columns])).unwrap_or(Hit::MISS)).collect()
+    rows().iter().map(|row| Hit::from(octree.closest_hit(&ray(&row[..columns])))).collect()
 }
 
 fn assert_same(found: &[Hit], expected: &[Hit], what: &str) {

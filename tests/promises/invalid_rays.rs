@@ -79,7 +79,7 @@ fn invalid_rays_in_a_batch_leave_their_neighbours_alone() {
     tracer.occlusions(&rays, &mut occluded).expect("equal lengths");
     for i in 0..count {
         let (walked, work) = octree.closest_hit_with_work(&rays[i]);
-        assert_eq!(bits(&hits[i]), bits(&walked.unwrap_or(Hit::MISS)), "{}", hex(&rays[i]));
+        assert_eq!(bits(&hits[i]), bits(&Hit::from(walked)), "{}", hex(&rays[i]));
         if is_invalid(i) {
             assert_eq!((bits(&hits[i]), occluded[i]), (bits(&Hit::MISS), false), "{}", hex(&rays[i]));
             assert_eq!(work, Work::default(), "{}", hex(&rays[i]));

@@ -8,4 +8,5 @@ mod mutants;
 mod oracle;
 mod same_answer;
 mod scenes;
+mod spawn;
 mod watertight;

@@ -37,7 +37,7 @@ fn on_hard_rays(name: &str, mesh: &Mesh, seed: u64, fault: impl Fn(&Ray, Option<
 }
 
 fn differs(found: Option<Hit>, expected: Option<Hit>) -> Option<String> {
-    let [found_bits, expected_bits] = [found, expected].map(|hit| bits(&hit.unwrap_or(Hit::MISS)));
+    let [found_bits, expected_bits] = [found, expected].map(|hit| bits(&Hit::from(hit)));
     (found_bits != expected_bits).then(|| format!("{found:?}"))
 }
 

@@ -160,9 +160,9 @@ fn batches_give_what_single_calls_give() {
     tracer.closest_hits(&rays, &mut hits).expect("equal lengths");
     tracer.occlusions(&rays, &mut occluded).expect("equal lengths");
     for (i, ray) in rays.iter().enumerate() {
-        let single = bits(&octree.closest_hit(ray).unwrap_or(Hit::MISS));
+        let single = bits(&Hit::from(octree.closest_hit(ray)));
         assert_eq!(single, bits(&hits[i]), "{}", rays::hex(ray));
-        assert_eq!(single, bits(&octree.closest_hit_with_work(ray).0.unwrap_or(Hit::MISS)), "{}", rays::hex(ray));
+        assert_eq!(single, bits(&Hit::from(octree.closest_hit_with_work(ray).0)), "{}", rays::hex(ray));
         assert_eq!(octree.occluded(ray), occluded[i], "{}", rays::hex(ray));
     }
     assert!(hits.iter().any(|hit| !hit.is_miss()));

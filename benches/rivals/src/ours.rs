@@ -114,7 +114,7 @@ impl Tracer for Single<'_> {
     type Error = LengthMismatch;
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
-        leafwalk::one_by_one(rays, hits, |ray| self.0.closest_hit(ray).unwrap_or(Hit::MISS))
+        leafwalk::one_by_one(rays, hits, |ray| Hit::from(self.0.closest_hit(ray)))
     }
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
         leafwalk::one_by_one(rays, occluded, |ray| self.0.occluded(ray))

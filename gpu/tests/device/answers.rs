@@ -37,7 +37,7 @@ impl Expected {
         rays.extend(scenes::chords(scene, scaled(RAYS / 2), seed));
         let parts = scene.octree.parts();
         let walked = rays.iter().map(|ray| Walk::new(&parts).closest_hit_with_work(ray));
-        let (hits, work) = walked.map(|(hit, work)| (hit.unwrap_or(Hit::MISS), work)).unzip();
+        let (hits, work) = walked.map(|(hit, work)| (Hit::from(hit), work)).unzip();
         Self { rays, hits, work }
     }
 }

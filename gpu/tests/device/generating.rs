@@ -62,7 +62,7 @@ fn cameras(gpu: &Gpu) {
         }
 
         let found = tracer.submit(&on_device).and_then(|hits| hits.read()).expect("a working device");
-        let expect = |ray: Option<Ray>| ray.and_then(|ray| scene.octree.closest_hit(&ray)).unwrap_or(Hit::MISS);
+        let expect = |ray: Option<Ray>| Hit::from(ray.and_then(|ray| scene.octree.closest_hit(&ray)));
         let expected: Vec<Hit> = rays.into_iter().map(expect).collect();
         assert_eq!(differing(&found, &expected), 0, "{camera:?}");
     }
@@ -86,7 +86,7 @@ fn many(gpu: &Gpu) {
     // Some of all, and all about where the second buffer begins.
     let is_checked = |number: &usize| number.is_multiple_of(1009) || number.abs_diff(BUFFER_RAYS) < 5000;
     let checked: Vec<usize> = (0..rays.len()).filter(is_checked).collect();
-    let expect = |number: &usize| rays[*number].and_then(|ray| scene.octree.closest_hit(&ray)).unwrap_or(Hit::MISS);
+    let expect = |number: &usize| Hit::from(rays[*number].and_then(|ray| scene.octree.closest_hit(&ray)));
     let expected: Vec<Hit> = checked.iter().map(expect).collect();
     assert!(expected.iter().filter(|hit| !hit.is_miss()).count() > 1000);
 

@@ -25,7 +25,7 @@ pub fn check(bytes: &[u8]) {
 
 /// Panics where the octree does not answer as brute force does.
 pub fn check_ray(octree: &Octree<impl AsRef<[u32]>>, oracle: &BruteForce, ray: &Ray) {
-    let bits = |hit: Option<Hit>| bits(&hit.unwrap_or(Hit::MISS));
+    let bits = |hit: Option<Hit>| bits(&Hit::from(hit));
     let (found, expected) = (octree.closest_hit(ray), oracle.closest_hit(ray));
     assert_eq!(bits(found), bits(expected), "{found:?}, expected {expected:?} for {ray:?}");
     assert_eq!(octree.occluded(ray), expected.is_some(), "occluded, {ray:?}");

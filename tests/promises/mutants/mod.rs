@@ -5,5 +5,6 @@ mod clauses;
 mod lattice;
 mod links;
 mod padding;
+mod spawn;
 mod stop;
 mod vertices;
