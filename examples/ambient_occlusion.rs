@@ -4,7 +4,6 @@
 //! `cargo run --release --example ambient_occlusion -- mesh.ply`
 
 mod mesh;
-mod spawn;
 
 use core::error::Error;
 use core::f64::consts::TAU;
@@ -13,7 +12,6 @@ use std::io::{BufWriter, Write};
 
 use glam::{DVec3, DVec4, Vec2, Vec3};
 use leafwalk::{Builder, CpuTracer, Hit, Ray, Tracer};
-use spawn::Spawn;
 
 const OUTPUT: &str = "ambient_occlusion.ply";
 const RAYS_PER_TRIANGLE: usize = 64;

@@ -4,13 +4,11 @@
 //! `cargo run --release --example one_ray -- mesh.ply`
 
 mod mesh;
-mod spawn;
 
 use core::error::Error;
 
 use glam::{DVec3, Vec3};
 use leafwalk::{Builder, CpuTracer, Ray};
-use spawn::Spawn;
 
 const BEAMS: usize = 20_000;
 const MOST_MIRRORS: usize = 8;
