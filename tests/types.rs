@@ -1,10 +1,12 @@
 //! What the compiler can say of the public types: the sizes of those that cross every border as plain data, and that all
 //! of them may be sent to other threads and shared between them.
 
+use std::sync::Arc;
+
 use leafwalk::wire::Header;
 use leafwalk::{
     Aabb, BruteForce, BuildError, Builder, CanonicalRay, CpuTracer, DecodeError, FileError, Frame, Hit, LengthMismatch,
-    Mesh, Octree, Parts, Progress, Ray, RecordFault, Stats, Verified, VerifyError, Work,
+    Mesh, Octree, Parts, Progress, Ray, RecordFault, Stats, Tracer, Verified, VerifyError, Work,
 };
 use leafwalk_core::layout::Section;
 
@@ -27,6 +29,28 @@ fn rays_and_hits_are_plain_data() {
     assert_eq!(bytemuck::cast::<Ray, [f32; 8]>(ray), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
     let hit = Hit { t: 1.0, u: 2.0, v: 3.0, primitive: 4 };
     assert_eq!(bytemuck::cast::<Hit, [u32; 4]>(hit), [1f32.to_bits(), 2f32.to_bits(), 3f32.to_bits(), 4]);
+}
+
+/// What each pointer to a tracer answers, as the tracer itself does.
+#[test]
+fn pointers_to_tracers_are_tracers() {
+    fn hits<T: Tracer<Error = LengthMismatch>>(tracer: T) -> [Hit; 2] {
+        let rays = [[0.25, 0.5, 2.0], [3.0, 3.0, 2.0]].map(|origin| Ray::new(origin, [0.0, 0.0, -1.0]));
+        let (mut hits, mut occluded) = ([Hit::MISS; 2], [false; 2]);
+        tracer.closest_hits(&rays, &mut hits).expect("equal lengths");
+        tracer.occlusions(&rays, &mut occluded).expect("equal lengths");
+        assert_eq!(occluded, hits.map(|hit| !hit.is_miss()));
+        hits
+    }
+    let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
+    let expected = [Hit { t: 2.0, u: 0.25, v: 0.5, primitive: 0 }, Hit::MISS];
+    let any: &dyn Tracer<Error = LengthMismatch> = &octree;
+    assert_eq!(hits(any), expected);
+    assert_eq!(hits(&CpuTracer::new(octree.view())), expected);
+    let boxed: Box<dyn Tracer<Error = LengthMismatch>> = Box::new(octree.view());
+    assert_eq!((hits(&boxed), hits(boxed)), (expected, expected));
+    assert_eq!(hits(Arc::new(CpuTracer::new(octree))), expected);
 }
 
 #[test]

@@ -25,6 +25,9 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "alloc")]
+extern crate alloc;
+
 mod aabb;
 mod blocks;
 pub mod canonical;

@@ -7,6 +7,22 @@ use crate::ray::{Hit, Ray};
 use crate::trace::Walk;
 
 /// Answers batches of rays. All tracers over the same octree give the same bits.
+///
+/// References to a tracer are tracers, too; so are `Box` and `Arc` with the feature `alloc`.
+///
+/// ```
+/// # use leafwalk_core::{Hit, Ray, Tracer};
+/// /// How many rays hit something.
+/// fn count<T: Tracer>(tracer: T, rays: &[Ray]) -> Result<usize, T::Error> {
+///     let mut hits = vec![Hit::MISS; rays.len()];
+///     tracer.closest_hits(rays, &mut hits)?;
+///     Ok(hits.iter().filter(|hit| !hit.is_miss()).count())
+/// }
+///
+/// fn count_twice<T: Tracer>(tracer: &T, rays: &[Ray]) -> Result<usize, T::Error> {
+///     Ok(count(tracer, rays)? + count(tracer, rays)?)
+/// }
+/// ```
 pub trait Tracer {
     /// What can go wrong.
     type Error: core::error::Error;
@@ -23,6 +39,31 @@ pub trait Tracer {
     /// At least when the slices differ in length.
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), Self::Error>;
 }
+
+/// What points to a tracer is one.
+macro_rules! through_pointers {
+    ($($(#[$attribute:meta])* $pointer:ty),+ $(,)?) => {$(
+        $(#[$attribute])*
+        impl<T: Tracer + ?Sized> Tracer for $pointer {
+            type Error = T::Error;
+
+            fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), Self::Error> {
+                (**self).closest_hits(rays, hits)
+            }
+
+            fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), Self::Error> {
+                (**self).occlusions(rays, occluded)
+            }
+        }
+    )+};
+}
+through_pointers!(
+    &T,
+    #[cfg(feature = "alloc")]
+    alloc::boxed::Box<T>,
+    #[cfg(feature = "alloc")]
+    alloc::sync::Arc<T>,
+);
 
 /// As many answers as rays are needed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

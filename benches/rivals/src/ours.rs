@@ -29,11 +29,10 @@ pub fn default(octree: &Octree<Vec<u32>>) -> Box<dyn Rival + '_> {
 /// All tracers of ours, over an octree and the compact one of the same mesh. A further one takes a line here, and its name
 /// above.
 pub fn all<'a>(octree: &'a Octree<Vec<u32>>, compact: &'a Octree<Vec<u32>>) -> Vec<Box<dyn Rival + 'a>> {
-    let view = octree.view();
     vec![
         default(octree),
-        ours(SCALAR, octree, view.clone()),
-        ours(SINGLE, octree, Single(CpuTracer::new(view))),
+        ours(SCALAR, octree, octree),
+        ours(SINGLE, octree, Single(CpuTracer::new(octree.view()))),
         ours(COMPACT, compact, CpuTracer::new(compact.view())),
         ours(COMPACT_SINGLE, compact, Single(CpuTracer::new(compact.view()))),
     ]
