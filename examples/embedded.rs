@@ -4,7 +4,7 @@
 //! `cargo run --release --example embedded`
 //!
 //! `embedded.lwk` holds a hill, 800 metres wide and deep. In the repository `tests/format/embedded.rs` has the mesh, and
-//! checks that the file is what the builder makes of it; `leafwalk build mesh.ply -o mesh.lwk --compact --step-cost 64`
+//! checks that the file is what the builder makes of it; `leafwalk build mesh.ply -o mesh.lwk --compact --for-walks`
 //! makes a file of a mesh of your own.
 
 use core::error::Error;

@@ -28,7 +28,7 @@ fn trace<T: Tracer>(tracer: &T, rays: &[Ray]) -> Result<u64, T::Error> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     // Who walks from leaf to leaf, as GPUs do, is faster with smaller leaves.
-    let octree = Builder::new().step_cost(Builder::WALK_STEP_COST).build(&mesh::from_arguments()?)?;
+    let octree = Builder::for_walks().build(&mesh::from_arguments()?)?;
 
     let bounds = octree.bounds();
     let [lower, upper] = [bounds.lower, bounds.upper].map(|corner| DVec3::from(corner).as_vec3());

@@ -53,7 +53,7 @@ fn same_answers() {
     assert!(gpu["hits"].as_u64().is_some_and(|hits| hits > 100), "{gpu}");
     assert_eq!([&gpu["backend"], &gpu["flavour"], &gpu["promise"]], ["gpu", "exact", "exact"]);
     // The octree was built for CPUs, and meshes are built for what traces them.
-    assert!(gpu["octree_advice"].as_str().is_some_and(|advice| advice.contains("--step-cost 64")), "{gpu}");
+    assert!(gpu["octree_advice"].as_str().is_some_and(|advice| advice.contains("--for-walks")), "{gpu}");
     assert!(cpu.get("octree_advice").is_none(), "{cpu}");
     let built = shell.json("render sphere.obj -o built.png --size 64x48 --backend gpu --adapter software");
     assert!(built.get("octree_advice").is_none(), "{built}");

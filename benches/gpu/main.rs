@@ -45,9 +45,9 @@ struct Arguments {
     /// Rounds of each measurement: 9, or on software adapters, whose speed says nothing, none unless told otherwise.
     #[arg(long)]
     rounds: Option<u32>,
-    /// Cost of a step over that of a triangle test, for the octree: lower makes smaller leaves.
-    #[arg(long, default_value_t = Builder::WALK_STEP_COST)]
-    step_cost: f32,
+    /// Cost of a step over that of a triangle test, for the octree: lower makes smaller leaves. By default as suits walks.
+    #[arg(long)]
+    step_cost: Option<f32>,
     /// Cargo passes it.
     #[arg(long, hide = true)]
     bench: bool,
@@ -85,7 +85,7 @@ fn main() {
     let sizes: Vec<(&str, u32)> = frame.into_iter().chain(batch).collect();
     let path = std::env::var_os("LEAFWALK_BENCH_CSV").map_or_else(default_path, PathBuf::from);
     let mut report = Report::new(adapter.to_string());
-    let builder = Builder::new().step_cost(arguments.step_cost);
+    let builder = arguments.step_cost.map_or_else(Builder::for_walks, |cost| Builder::new().step_cost(cost));
     for (name, mesh, inside) in all_scenes(&arguments) {
         let scene = Scene { octree: builder.build(&mesh).expect("a mesh that builds"), name, mesh, inside };
         measure(&gpu, &scene, &sizes, rounds, &mut report);

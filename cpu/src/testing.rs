@@ -56,7 +56,7 @@ pub fn forgetting_rays<W>(mut tracer: CpuTracer<W>) -> CpuTracer<W> {
 /// A builder that breaks a clause of the contract.
 #[must_use]
 pub fn spoil(mut builder: Builder, spoiled: Spoiled) -> Builder {
-    builder.spoiled = spoiled;
+    builder.settings.spoiled = spoiled;
     builder
 }
 

@@ -22,8 +22,8 @@
 //! # }
 //! ```
 //!
-//! A device wants smaller leaves than a CPU: build its octrees with the step cost
-//! `Builder::WALK_STEP_COST` of `leafwalk-cpu`. [`GpuTracer::upload`] and [`GpuTracer::ray_generator`] keep rays on the
+//! A device wants smaller leaves than a CPU: build its octrees by `Builder::for_walks` of `leafwalk-cpu`.
+//! [`GpuTracer::upload`] and [`GpuTracer::ray_generator`] keep rays on the
 //! device. No type of wgpu's is part of this interface.
 //!
 //! The crate has floors, each of which knows only those before it: `shader`, the text; `device`, which knows no octree;

@@ -82,8 +82,8 @@ impl GpuTracer {
         self.self_test.exactness()
     }
 
-    /// The step cost that the octree was built with. Where it is larger than `Builder::WALK_STEP_COST` of `leafwalk-cpu`,
-    /// the leaves are large, as CPUs want them; an octree built with that cost gives the same hits sooner.
+    /// The step cost that the octree was built with. Where it is larger than that of `Builder::for_walks` of
+    /// `leafwalk-cpu`, the leaves are large, as CPUs want them; an octree built for walks gives the same hits sooner.
     pub fn step_cost(&self) -> f32 {
         self.step_cost
     }

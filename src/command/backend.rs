@@ -78,7 +78,7 @@ impl BackendArgs {
             }
             Kind::Cpu => Ok(Builder::new()),
             #[cfg(feature = "gpu")]
-            Kind::Gpu => Ok(Builder::new().step_cost(Builder::WALK_STEP_COST)),
+            Kind::Gpu => Ok(Builder::for_walks()),
         }
     }
 
@@ -123,17 +123,13 @@ impl Backend {
                 }
             }
             #[cfg(feature = "gpu")]
-            Self::Gpu(tracer, _) => {
+            Self::Gpu(tracer, octree) => {
                 report.add("backend", "backend", "gpu");
                 report.add("adapter", "adapter", tracer.adapter().to_string());
                 report.add("flavour", "flavour", tracer.flavour().name());
                 report.add("promise", "self-test", tracer.exactness().to_string());
-                if tracer.step_cost() > Builder::WALK_STEP_COST {
-                    let advice = format!(
-                        "its leaves suit CPUs: built with --step-cost {}, not {}, it is traced faster",
-                        Builder::WALK_STEP_COST,
-                        tracer.step_cost()
-                    );
+                if !Builder::suits_walks(octree) {
+                    let advice = "its leaves suit CPUs: built with --for-walks, it is traced faster";
                     report.add("octree_advice", "octree", advice);
                 }
             }

@@ -26,8 +26,12 @@ pub(crate) struct BuildArgs {
     #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u32).range(0..=16))]
     max_level: Option<u32>,
 
+    /// Make smaller leaves and a larger file, for GPUs and for walks on small machines.
+    #[arg(long, conflicts_with = "step_cost")]
+    for_walks: bool,
+
     /// Cost of a step over that of a triangle test, at least 0.5: lower makes smaller leaves, and a larger file. The
-    /// default, 192, is for CPUs; 64 is for GPUs, and for walks on small machines.
+    /// default is 192.
     #[arg(long, value_name = "COST", value_parser = step_cost)]
     step_cost: Option<f32>,
 
@@ -53,7 +57,7 @@ Examples:
   leafwalk build bunny.ply -o bunny.lwk
   leafwalk build scan.obj.gz -o scan.lwk --lenient --max-level 12 --threads 4
   leafwalk build bunny.ply -o bunny.lwk --compact --json
-  leafwalk build bunny.ply -o for-gpus.lwk --step-cost 64";
+  leafwalk build bunny.ply -o for-gpus.lwk --for-walks";
 
 fn octree_path() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| match input::is_octree(&path) {
@@ -80,7 +84,7 @@ fn at_least(least: f32, argument: &str) -> Result<f32, String> {
 
 impl BuildArgs {
     fn builder(&self) -> Builder {
-        let mut builder = Builder::new();
+        let mut builder = if self.for_walks { Builder::for_walks() } else { Builder::new() };
         if let Some(level) = self.max_level {
             builder = builder.max_level(level);
         }

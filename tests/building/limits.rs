@@ -23,11 +23,11 @@ fn scenes() -> [(&'static str, Mesh); 4] {
 fn references_stay_within_the_budget() {
     for (name, mesh) in scenes() {
         let mut most = Vec::new();
-        for budget in [0.0, 1.0, 1.5, 2.0, 4.0, 8.0] {
+        for budget in [1.0, 1.5, 2.0, 4.0, 8.0] {
             let octree =
                 Builder::new().step_cost(0.5).reference_budget(budget).build(&mesh).expect("a mesh that builds");
             let references = octree.stats().references as usize;
-            let limit = ((f64::from(budget.max(1.0)) * mesh.triangles.len() as f64) as usize).max(LEAST_BUDGET);
+            let limit = ((f64::from(budget) * mesh.triangles.len() as f64) as usize).max(LEAST_BUDGET);
             assert!(references <= limit, "{name}, budget {budget}: {references} references, limit {limit}");
             verify(&octree).expect("an octree that verifies");
             most.push(references);
@@ -40,7 +40,7 @@ fn references_stay_within_the_budget() {
 fn no_leaf_is_deeper_than_allowed() {
     let mesh = meshes::soup(2000, 53);
     let mut deepest = Vec::new();
-    for level in 0..=17 {
+    for level in 0..=16 {
         let octree = Builder::new()
             .step_cost(0.5)
             .reference_budget(64.0)
@@ -49,8 +49,8 @@ fn no_leaf_is_deeper_than_allowed() {
             .expect("a mesh that builds");
         let stats = octree.stats();
         let found = stats.leaves_at_level.iter().rposition(|leaves| *leaves > 0).expect("a leaf") as u32;
-        assert!(found <= level.min(16), "level {found}, at most {level}");
-        assert_eq!(octree.parts().header.max_level, level.min(16));
+        assert!(found <= level, "level {found}, at most {level}");
+        assert_eq!(octree.parts().header.max_level, level);
         verify(&octree).expect("an octree that verifies");
         deepest.push(found);
     }
@@ -125,11 +125,36 @@ fn a_build_stops_when_it_is_told_to() {
 }
 
 #[test]
-fn settings_out_of_range_fall_back() {
+fn settings_out_of_range_are_errors() {
     let mesh = meshes::soup(200, 55);
-    let built = |builder: Builder| builder.build(&mesh).expect("a mesh that builds").into_words();
-    assert!(built(Builder::new().step_cost(f32::NAN)) == built(Builder::new()));
-    assert!(built(Builder::new().step_cost(-1.0)) == built(Builder::new().step_cost(0.5)));
-    assert!(built(Builder::new().reference_budget(f32::INFINITY)) == built(Builder::new()));
-    assert!(built(Builder::new().max_level(99)) == built(Builder::new()));
+    let fault = |builder: Builder| match builder.build(&mesh).expect_err("a setting out of its range") {
+        BuildError::Setting { setting, least, most, .. } => (setting, least, most),
+        other => panic!("{other:?}"),
+    };
+    for cost in [f32::NAN, f32::INFINITY, -1.0, 0.5f32.next_down()] {
+        assert_eq!(fault(Builder::new().step_cost(cost)), ("step cost", 0.5, f64::from(f32::MAX)));
+    }
+    for budget in [f32::NAN, f32::INFINITY, 0.0, 1f32.next_down()] {
+        assert_eq!(fault(Builder::new().reference_budget(budget)), ("reference budget", 1.0, f64::from(f32::MAX)));
+    }
+    for level in [17, u32::MAX] {
+        assert_eq!(fault(Builder::new().max_level(level)), ("maximum level", 0.0, 16.0));
+    }
+    let text = |builder: Builder| builder.build(&mesh).expect_err("a setting out of its range").to_string();
+    assert_eq!(text(Builder::new().max_level(17)), "the maximum level is 17: set it to a number from 0 to 16");
+    assert_eq!(text(Builder::new().step_cost(f32::NAN)), "the step cost is NaN: set it to a finite number from 0.5 on");
+    let ends = [Builder::new().step_cost(0.5).reference_budget(1.0), Builder::new().step_cost(f32::MAX).max_level(0)];
+    for builder in ends {
+        verify(&builder.build(&mesh).expect("settings at the ends of their ranges")).expect("an octree that verifies");
+    }
+}
+
+#[test]
+fn octrees_know_whether_they_suit_walks() {
+    let mesh = meshes::soup(200, 56);
+    for (builder, suits) in
+        [(Builder::new(), false), (Builder::for_walks(), true), (Builder::for_walks().step_cost(8.0), true)]
+    {
+        assert_eq!(Builder::suits_walks(&builder.build(&mesh).expect("a mesh that builds")), suits);
+    }
 }

@@ -99,6 +99,8 @@ fn settings_reach_the_builder() {
     let fine = shell.json("build sphere.obj -o fine.lwk --step-cost 1.5");
     assert!(fine["leaves"].as_u64() > Some(8), "{fine}");
     assert_eq!(shell.json("info fine.lwk")["step_cost"], 1.5);
+    shell.json("build sphere.obj -o walks.lwk --for-walks");
+    assert_eq!(shell.json("info walks.lwk")["step_cost"], 64.0);
     shell.assert_fails("build sphere.obj -o small.lwk --memory-limit 1000", "1000");
 }
 

@@ -31,8 +31,7 @@ fn hill() -> Mesh {
 /// LEAFWALK_WRITE_EMBEDDED is set.
 #[test]
 fn the_embedded_file_is_what_the_builder_makes() {
-    let octree =
-        Builder::new().step_cost(Builder::WALK_STEP_COST).compact().build(&hill()).expect("a mesh that builds");
+    let octree = Builder::for_walks().compact().build(&hill()).expect("a mesh that builds");
     let mut bytes = Vec::new();
     write_octree(&octree, &mut bytes).expect("a vector takes all");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/embedded.lwk");

@@ -45,6 +45,17 @@ pub enum BuildError {
         /// The limit in force.
         limit: u64,
     },
+    /// A setting of the builder is out of its range.
+    Setting {
+        /// What is set.
+        setting: &'static str,
+        /// What it was set to.
+        value: f64,
+        /// The least value that is possible.
+        least: f64,
+        /// The largest value that is possible; [`f32::MAX`] where every finite number is.
+        most: f64,
+    },
     /// The progress callback asked to stop.
     Cancelled,
 }
@@ -72,6 +83,12 @@ impl fmt::Display for BuildError {
                     f,
                     "the build needs {needed} bytes, the limit is {limit}: raise it, or lower the reference budget"
                 )
+            }
+            Self::Setting { setting, value, least, most } if most < f64::from(f32::MAX) => {
+                write!(f, "the {setting} is {value}: set it to a number from {least} to {most}")
+            }
+            Self::Setting { setting, value, least, .. } => {
+                write!(f, "the {setting} is {value}: set it to a finite number from {least} on")
             }
             Self::Cancelled => write!(f, "the build was cancelled"),
         }

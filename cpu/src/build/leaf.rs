@@ -62,7 +62,7 @@ impl<'a> Lister<'a> {
 
     /// Adds a leaf whose references ascend; its payloads are numbered from `payload` on, their blocks from `block` on.
     pub(crate) fn list(&mut self, cell: Key, references: &[u32], payload: u32, block: u32) {
-        let cell = Cell::new(cell, self.settings.padding);
+        let cell = Cell::new(cell, self.settings.padding());
         self.parts.clear();
         self.parts.extend(references.iter().map(|reference| cell.part(&self.triangles[*reference as usize].corners)));
         self.keys.clear();

@@ -1,26 +1,26 @@
-//! `Settings`: what the stages of a build share.
+//! What a builder was told, and what its stages share.
+
+use leafwalk_core::contract::PADDING;
+use leafwalk_core::layout::MAX_LEVEL;
 
 use super::error::BuildError;
+use super::normalise::NonFinite;
 
-/// What the stages of a build share.
-pub(crate) struct Settings {
-    pub(super) step_cost: f32,
-    pub(super) max_level: u32,
-    /// References that the leaves may list, in all.
-    pub(super) budget: usize,
-    pub(super) memory_limit: u64,
-    pub(super) padding: f32,
-    pub(super) is_compact: bool,
-    pub(super) spoiled: Spoiled,
-}
-
-impl Settings {
-    /// An error where the build may not use so many bytes.
-    pub(super) fn check_memory(&self, needed: u64) -> Result<(), BuildError> {
-        let limit = self.memory_limit;
-        if needed > limit { Err(BuildError::OutOfMemory { needed, limit }) } else { Ok(()) }
-    }
-}
+/// Cost of a step over the cost of a triangle test, for descents. Measured on four scenes
+/// (docs/choices.md, "Leaves of up to about 192 triangles").
+const STEP_COST: f32 = 192.0;
+/// The same for walks.
+pub(super) const WALK_STEP_COST: f32 = 64.0;
+/// A step that costs less than half a triangle test would split leaves of one triangle.
+const LEAST_STEP_COST: f32 = 0.5;
+/// References that a build may make for each triangle.
+const BUDGET: f32 = 8.0;
+/// Each triangle is listed once at least.
+const LEAST_BUDGET: f32 = 1.0;
+/// References that even a mesh of one triangle may make.
+const LEAST_REFERENCES: usize = 4096;
+/// Half of the machines that a build is meant for have more.
+const MEMORY_LIMIT: u64 = 16 << 30;
 
 /// Clauses of the numeric contract that a test may have broken, to prove that it would notice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,4 +36,60 @@ pub enum Spoiled {
     MeshMargin,
     /// Boxes are a lattice step too small.
     Boxes,
+}
+
+/// The settings of a builder.
+#[derive(Clone, Debug)]
+pub(crate) struct Settings {
+    pub(super) step_cost: f32,
+    pub(super) max_level: u32,
+    /// References for each triangle of the mesh.
+    pub(super) budget: f32,
+    pub(super) memory_limit: u64,
+    pub(super) non_finite: NonFinite,
+    pub(super) is_compact: bool,
+    pub(crate) spoiled: Spoiled,
+}
+
+impl Settings {
+    pub(super) const DEFAULT: Self = Self {
+        step_cost: STEP_COST,
+        max_level: MAX_LEVEL,
+        budget: BUDGET,
+        memory_limit: MEMORY_LIMIT,
+        non_finite: NonFinite::Refused,
+        is_compact: false,
+        spoiled: Spoiled::Nothing,
+    };
+
+    /// An error for the first setting that is out of its range.
+    pub(super) fn check(&self) -> Result<(), BuildError> {
+        let unlimited = f64::from(f32::MAX);
+        let settings = [
+            ("step cost", self.step_cost.into(), LEAST_STEP_COST.into(), unlimited),
+            ("maximum level", self.max_level.into(), 0.0, MAX_LEVEL.into()),
+            ("reference budget", self.budget.into(), LEAST_BUDGET.into(), unlimited),
+        ];
+        // NaN is in no range.
+        match settings.into_iter().find(|(_, value, least, most)| !(least..=most).contains(&value)) {
+            Some((setting, value, least, most)) => Err(BuildError::Setting { setting, value, least, most }),
+            None => Ok(()),
+        }
+    }
+
+    /// An error where the build may not use so many bytes.
+    pub(super) fn check_memory(&self, needed: u64) -> Result<(), BuildError> {
+        let limit = self.memory_limit;
+        if needed > limit { Err(BuildError::OutOfMemory { needed, limit }) } else { Ok(()) }
+    }
+
+    /// How many references the leaves may list, for a mesh of so many triangles.
+    pub(super) fn references(&self, triangles: usize) -> usize {
+        ((f64::from(self.budget) * triangles as f64) as usize).max(LEAST_REFERENCES)
+    }
+
+    /// By how much cells are dilated before triangles are binned.
+    pub(super) fn padding(&self) -> f32 {
+        if self.spoiled == Spoiled::Padding { 0.0 } else { PADDING }
+    }
 }

@@ -84,11 +84,16 @@ impl Tree {
         &self.references[leaf.start..leaf.start + leaf.len]
     }
 
-    /// Splits the root cell over all triangles.
-    pub(crate) fn grow(triangles: &[Triangle], settings: &Settings, monitor: &Monitor<'_>) -> Result<Self, BuildError> {
+    /// Splits the root cell over all triangles; the leaves list no more than `budget` references.
+    pub(crate) fn grow(
+        triangles: &[Triangle],
+        budget: usize,
+        settings: &Settings,
+        monitor: &Monitor<'_>,
+    ) -> Result<Self, BuildError> {
         let root = Node { key: Key::ROOT, children: NONE, start: 0, len: 0 };
         let mut tree = Self { nodes: vec![root], references: Vec::new(), live: 0 };
-        let mut grower = Grower { triangles, settings, tree: &mut tree, total: triangles.len() };
+        let mut grower = Grower { triangles, budget, settings, tree: &mut tree, total: triangles.len() };
         let mut references: Vec<u32> = (0..triangles.len() as u32).collect();
         let mut open = vec![Open { node: 0, start: 0, len: triangles.len() }];
         while !open.is_empty() {
@@ -114,6 +119,7 @@ impl Tree {
 
 struct Grower<'a> {
     triangles: &'a [Triangle],
+    budget: usize,
     settings: &'a Settings,
     tree: &'a mut Tree,
     /// References in leaves and open nodes.
@@ -198,7 +204,7 @@ impl Grower<'_> {
     }
 
     fn bin(&self, cell: Key, references: &[u32], masks: &mut [u8]) -> [usize; 8] {
-        let split = Split::new(cell, self.settings.padding);
+        let split = Split::new(cell, self.settings.padding());
         let mut counts = [0; 8];
         for (references, masks) in references.chunks(MOST_SPREAD).zip(masks.chunks_mut(MOST_SPREAD)) {
             let mut spread = 0;
@@ -231,7 +237,7 @@ impl Grower<'_> {
             |(open, proposal): (&Open, &Option<Proposal>)| proposal.as_ref().map_or(0, |p| p.copies() - open.len);
         let wanted: usize = open.iter().zip(proposals.iter()).map(added).sum();
         let mut order: Vec<usize> = (0..open.len()).filter(|&i| proposals[i].is_some()).collect();
-        if self.total + wanted > self.settings.budget {
+        if self.total + wanted > self.budget {
             // The best first, by gain a reference.
             let worth = |i: usize| {
                 let gain = proposals[i].as_ref().map_or(0.0, |p| p.gain);
@@ -249,7 +255,7 @@ impl Grower<'_> {
             let forced_growth: usize =
                 splits.iter().map(|(len, parts)| parts.iter().map(Vec::len).sum::<usize>() - len).sum();
             let total = self.total + growth + forced_growth;
-            if proposal.gain <= charge || total > self.settings.budget {
+            if proposal.gain <= charge || total > self.budget {
                 proposals[i] = None;
                 continue;
             }
@@ -296,7 +302,7 @@ impl Grower<'_> {
     fn bin_all(&self, leaves: &[u32]) -> Vec<(usize, [Vec<u32>; 8])> {
         let bin = |&leaf: &u32| {
             let node = &self.tree.nodes[leaf as usize];
-            let split = Split::new(node.key, self.settings.padding);
+            let split = Split::new(node.key, self.settings.padding());
             let mut parts: [Vec<u32>; 8] = Default::default();
             for &reference in self.tree.references(node) {
                 let met = split.children_met(&self.triangles[reference as usize].corners);
