@@ -9,13 +9,9 @@
 
 use core::error::Error;
 
-use leafwalk_core::{Octree, Ray};
+use leafwalk_core::{AlignedBytes, Octree, Ray};
 
-/// Bytes at an address that words may have: `include_bytes!` alone may put them anywhere.
-#[repr(C, align(4))]
-struct Aligned<T: ?Sized>(T);
-
-static HILL: &Aligned<[u8]> = &Aligned(*include_bytes!("embedded.lwk"));
+static HILL: &AlignedBytes<[u8]> = &AlignedBytes { bytes: *include_bytes!("embedded.lwk") };
 
 /// How high something at this place is above ground; `None` where there is no ground below.
 fn altitude(ground: &Octree<&[u32]>, place: [f32; 3]) -> Option<f32> {
@@ -24,8 +20,8 @@ fn altitude(ground: &Octree<&[u32]>, place: [f32; 3]) -> Option<f32> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     // All bytes are checked, once. From then on they are traced as they are.
-    let ground = Octree::from_bytes(&HILL.0)?;
-    println!("{} bytes, {} triangles", HILL.0.len(), ground.stats().primitives);
+    let ground = Octree::from_bytes(&HILL.bytes)?;
+    println!("{} bytes, {} triangles", HILL.bytes.len(), ground.stats().primitives);
 
     // A glider crosses the hill and leaves its far side.
     for second in 0..10 {

@@ -50,8 +50,8 @@ mod octree_file;
 pub mod output_file;
 
 pub use leafwalk_core::{
-    Aabb, Blocks, CanonicalRay, Clock, DecodeError, Frame, Hit, Indexed, LEAF_SIZES, LengthMismatch, Octree, Parts,
-    Ray, RecordFault, Stats, Tracer, Walk, Work, geometric_normal, hit_hash, layout, one_by_one, wire,
+    Aabb, AlignedBytes, Blocks, CanonicalRay, Clock, DecodeError, Frame, Hit, Indexed, LEAF_SIZES, LengthMismatch,
+    Octree, Parts, Ray, RecordFault, Stats, Tracer, Walk, Work, geometric_normal, hit_hash, layout, one_by_one, wire,
 };
 pub use leafwalk_cpu::{
     BruteForce, BuildError, Builder, CpuTracer, Mesh, Progress, Verified, VerifyError, verify, verify_against,

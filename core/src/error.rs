@@ -145,7 +145,10 @@ impl fmt::Display for DecodeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Misaligned { remainder } => {
-                write!(f, "the bytes start {remainder} past a multiple of 4: copy them to an aligned buffer")
+                write!(
+                    f,
+                    "the bytes start {remainder} past a multiple of 4: copy them to an aligned buffer, or include them as AlignedBytes"
+                )
             }
             Self::Ragged { bytes } => write!(f, "{bytes} bytes are no whole number of 4-byte words: the file is cut"),
             Self::Truncated { words, needed } => {

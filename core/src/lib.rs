@@ -29,6 +29,7 @@
 extern crate alloc;
 
 mod aabb;
+mod aligned;
 mod blocks;
 pub mod canonical;
 pub mod contract;
@@ -57,6 +58,7 @@ mod validate;
 pub mod wire;
 
 pub use aabb::Aabb;
+pub use aligned::AlignedBytes;
 pub use blocks::{Blocks, Indexed};
 pub use error::{DecodeError, RecordFault};
 pub use frame::Frame;

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use leafwalk::{Builder, Hit, Mesh, Octree, Ray, Tracer, hit_hash, verify_against};
+use leafwalk::{AlignedBytes, Builder, Hit, Mesh, Octree, Ray, Tracer, hit_hash, verify_against};
 use leafwalk_core::layout::Section;
 use leafwalk_core::layout::{LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, NONE, Record};
 use leafwalk_testing::random::Random;
@@ -53,6 +53,15 @@ fn answers(octree: &impl Tracer<Error = leafwalk::LengthMismatch>, mesh: &Mesh) 
     octree.closest_hits(&rays, &mut hits).expect("equal lengths");
     assert!(hits.iter().filter(|hit| !hit.is_miss()).count() > 400);
     hit_hash(&hits)
+}
+
+#[test]
+fn a_file_in_the_program_is_read_where_it_lies() {
+    static FILE: &AlignedBytes<[u8]> = &AlignedBytes { bytes: *include_bytes!("version_1/levels.lwk") };
+    let octree = Octree::from_bytes(&FILE.bytes).expect("aligned bytes of a valid file");
+    assert_eq!(octree.as_words().as_ptr().addr(), FILE.bytes.as_ptr().addr());
+    assert_eq!(FILE.bytes.as_ptr().addr() % 64, 0);
+    assert!(octree.as_words() == load("levels").as_words());
 }
 
 #[test]
