@@ -6,7 +6,7 @@ use std::sync::Arc;
 use leafwalk::wire::Header;
 use leafwalk::{
     Aabb, BruteForce, BuildError, Builder, CanonicalRay, CpuTracer, DecodeError, FileError, Frame, Hit, LengthMismatch,
-    Mesh, Octree, Parts, Progress, Ray, RecordFault, Stats, Tracer, Verified, VerifyError, Work,
+    Mesh, MeshRef, Octree, Parts, Progress, Ray, RecordFault, Stats, Tracer, Verified, VerifyError, Work,
 };
 use leafwalk_core::layout::Section;
 
@@ -56,7 +56,16 @@ fn pointers_to_tracers_are_tracers() {
 #[test]
 fn all_types_are_for_many_threads() {
     assert_send_and_sync!(Aabb, CanonicalRay, Frame, Header, Hit, Parts<'static>, Ray, Section, Stats, Work);
-    assert_send_and_sync!(BruteForce, Builder, Mesh, Octree<Vec<u32>>, Octree<&[u32]>, Progress, Verified);
+    assert_send_and_sync!(
+        BruteForce,
+        Builder,
+        Mesh,
+        MeshRef<'static>,
+        Octree<Vec<u32>>,
+        Octree<&[u32]>,
+        Progress,
+        Verified
+    );
     assert_send_and_sync!(CpuTracer<Vec<u32>>, CpuTracer<&[u32]>);
     assert_send_and_sync!(BuildError, DecodeError, FileError, LengthMismatch, RecordFault, VerifyError);
 }

@@ -7,7 +7,7 @@ use leafwalk_core::triangle::{Shear, intersect};
 use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Ray, Tracer, one_by_one, unroll};
 
 use crate::build::{BuildError, normalise};
-use crate::mesh::Mesh;
+use crate::mesh::MeshRef;
 
 /// Tests all triangles of a mesh; what an octree of the same mesh must agree with bit for bit.
 #[derive(Clone)]
@@ -22,8 +22,8 @@ impl BruteForce {
     ///
     /// # Errors
     /// For the meshes that the builder refuses.
-    pub fn new(mesh: &Mesh) -> Result<Self, BuildError> {
-        let normalised = normalise(mesh)?;
+    pub fn new<'a>(mesh: impl Into<MeshRef<'a>>) -> Result<Self, BuildError> {
+        let normalised = normalise(mesh.into())?;
         Ok(Self { frame: normalised.frame, triangles: normalised.triangles })
     }
 

@@ -1,4 +1,4 @@
-//! The input: an indexed triangle mesh.
+//! The input: an indexed triangle mesh, owned or borrowed.
 
 use leafwalk_core::{Hit, geometric_normal};
 
@@ -15,10 +15,47 @@ pub struct Mesh {
     pub material_ids: Vec<u32>,
 }
 
-impl Mesh {
-    /// A mesh without materials.
-    pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
-        Self { positions, triangles, material_ids: Vec::new() }
+/// A borrowed [`Mesh`]: what builds and verifications read.
+///
+/// Positions that other crates keep need no copy. The vectors of glam (`Vec3`) and of nalgebra (`Point3<f32>`,
+/// `Vector3<f32>`) are plain data with their feature `bytemuck`; so may be a type of one's own:
+/// ```
+/// use bytemuck::{Pod, Zeroable};
+/// use leafwalk_cpu::{Builder, MeshRef};
+///
+/// #[derive(Clone, Copy, Pod, Zeroable)]
+/// #[repr(C)]
+/// struct Vector {
+///     x: f32,
+///     y: f32,
+///     z: f32,
+/// }
+///
+/// let positions = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| Vector { x, y, z: 0.0 });
+/// let indices: Vec<u32> = vec![0, 1, 2];
+/// let mesh = MeshRef::new(bytemuck::cast_slice(&positions), bytemuck::cast_slice(&indices));
+/// let octree = Builder::new().build(mesh)?;
+/// # assert_eq!(octree.stats().primitives, 1);
+/// # Ok::<(), leafwalk_cpu::BuildError>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeshRef<'a> {
+    // Not public, so that positions of another precision can be borrowed one day.
+    pub(crate) positions: &'a [[f32; 3]],
+    pub(crate) triangles: &'a [[u32; 3]],
+    pub(crate) material_ids: &'a [u32],
+}
+
+impl<'a> MeshRef<'a> {
+    /// A mesh without materials; see the fields of [`Mesh`].
+    pub fn new(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Self {
+        Self { positions, triangles, material_ids: &[] }
+    }
+
+    /// The same mesh with one material id a triangle.
+    #[must_use]
+    pub fn with_material_ids(self, material_ids: &'a [u32]) -> Self {
+        Self { material_ids, ..self }
     }
 
     /// The three corners of a triangle, in the caller's units.
@@ -33,7 +70,7 @@ impl Mesh {
     /// began.
     ///
     /// # Panics
-    /// As [`Mesh::corners`]; so it does for [`Hit::MISS`].
+    /// As [`MeshRef::corners`]; so it does for [`Hit::MISS`].
     pub fn position(&self, hit: &Hit) -> [f32; 3] {
         hit.position(&self.corners(hit.primitive as usize)).map(|c| c as f32)
     }
@@ -42,7 +79,7 @@ impl Mesh {
     /// without area.
     ///
     /// # Panics
-    /// As [`Mesh::corners`].
+    /// As [`MeshRef::corners`].
     pub fn normal(&self, primitive: usize) -> [f32; 3] {
         geometric_normal(&self.corners(primitive))
     }
@@ -50,8 +87,53 @@ impl Mesh {
     /// Whether a ray of this direction hit the front of the triangle, from which its corners stand counter-clockwise.
     ///
     /// # Panics
-    /// As [`Mesh::corners`]; so it does for [`Hit::MISS`].
+    /// As [`MeshRef::corners`]; so it does for [`Hit::MISS`].
     pub fn front(&self, hit: &Hit, direction: [f32; 3]) -> bool {
         Hit::front(&self.corners(hit.primitive as usize), direction)
+    }
+}
+
+impl<'a> From<&'a Mesh> for MeshRef<'a> {
+    fn from(mesh: &'a Mesh) -> Self {
+        Self { positions: &mesh.positions, triangles: &mesh.triangles, material_ids: &mesh.material_ids }
+    }
+}
+
+impl Mesh {
+    /// A mesh without materials.
+    pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
+        Self { positions, triangles, material_ids: Vec::new() }
+    }
+
+    /// As [`MeshRef::corners`].
+    ///
+    /// # Panics
+    /// As [`MeshRef::corners`].
+    pub fn corners(&self, primitive: usize) -> [[f32; 3]; 3] {
+        MeshRef::from(self).corners(primitive)
+    }
+
+    /// As [`MeshRef::position`].
+    ///
+    /// # Panics
+    /// As [`MeshRef::corners`]; so it does for [`Hit::MISS`].
+    pub fn position(&self, hit: &Hit) -> [f32; 3] {
+        MeshRef::from(self).position(hit)
+    }
+
+    /// As [`MeshRef::normal`].
+    ///
+    /// # Panics
+    /// As [`MeshRef::corners`].
+    pub fn normal(&self, primitive: usize) -> [f32; 3] {
+        MeshRef::from(self).normal(primitive)
+    }
+
+    /// As [`MeshRef::front`].
+    ///
+    /// # Panics
+    /// As [`MeshRef::corners`]; so it does for [`Hit::MISS`].
+    pub fn front(&self, hit: &Hit, direction: [f32; 3]) -> bool {
+        MeshRef::from(self).front(hit, direction)
     }
 }

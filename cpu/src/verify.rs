@@ -7,7 +7,7 @@ use leafwalk_core::{Octree, Parts};
 use rayon::prelude::*;
 
 use crate::build::{BuildError, NonFinite, Split, box_inside, normalise_with};
-use crate::mesh::Mesh;
+use crate::mesh::MeshRef;
 
 /// What a verification found in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,8 +143,11 @@ fn check_bvh(parts: &Parts<'_>) -> Result<(), VerifyError> {
 ///
 /// # Errors
 /// [`VerifyError`] names the first thing that is wrong.
-pub fn verify_against<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &Mesh) -> Result<Verified, VerifyError> {
-    let parts = octree.parts();
+pub fn verify_against<'a, W: AsRef<[u32]>>(
+    octree: &Octree<W>,
+    mesh: impl Into<MeshRef<'a>>,
+) -> Result<Verified, VerifyError> {
+    let (parts, mesh) = (octree.parts(), mesh.into());
     let differs = |what, primitive| Err(VerifyError::OtherMesh { what, primitive });
     let normalised = normalise_with(mesh, NonFinite::Dropped).map_err(VerifyError::Mesh)?;
     if parts.header.primitives as usize != mesh.triangles.len() {

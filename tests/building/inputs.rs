@@ -1,6 +1,6 @@
 //! Every bad or strange mesh: a typed error, or an octree that verifies and answers as brute force does.
 
-use leafwalk::{BruteForce, BuildError, Builder, Mesh, Octree, Ray, verify_against};
+use leafwalk::{BruteForce, BuildError, Builder, Mesh, MeshRef, Octree, Ray, verify_against};
 use leafwalk_testing::meshes;
 use leafwalk_testing::properties::trace::check_ray;
 use leafwalk_testing::random::Random;
@@ -19,6 +19,25 @@ fn sound(mesh: &Mesh, count: u64) -> (Octree<Vec<u32>>, usize) {
         hits += usize::from(oracle.closest_hit(&ray).is_some());
     }
     (octree, hits)
+}
+
+#[test]
+fn a_borrowed_mesh_builds_the_same_octree() {
+    let mut mesh = meshes::soup(100, 43);
+    mesh.material_ids = (0..100).collect();
+    let indices: Vec<u32> = mesh.triangles.as_flattened().to_vec();
+    let coordinates: Vec<f32> = mesh.positions.as_flattened().to_vec();
+    let borrowed = MeshRef::new(bytemuck::cast_slice(&coordinates), bytemuck::cast_slice(&indices))
+        .with_material_ids(&mesh.material_ids);
+    let octree = Builder::new().build(borrowed).expect("a mesh that builds");
+    assert!(octree.as_words() == Builder::new().build(&mesh).expect("a mesh that builds").as_words());
+    verify_against(&octree, borrowed).expect("an octree of this mesh");
+    assert_eq!(borrowed, MeshRef::from(&mesh));
+    let oracle = BruteForce::new(borrowed).expect("a mesh that builds");
+    let (centre, size) = rays::extent(&mesh);
+    for index in 0..100 {
+        check_ray(&octree, &oracle, &rays::hard(&mesh, centre, size, &mut Random::new(44, index)));
+    }
 }
 
 fn soup_with(edit: impl FnOnce(&mut Mesh)) -> Mesh {

@@ -19,14 +19,14 @@ use super::monitor::Monitor;
 use super::normalise::Normalised;
 use super::settings::{Settings, Spoiled};
 use super::tree::Tree;
-use crate::mesh::Mesh;
+use crate::mesh::MeshRef;
 
 /// Leaves a task fills.
 const LEAVES_A_TASK: usize = 256;
 
 /// Writes the tree and the triangles that its leaves list.
 pub(crate) fn assemble(
-    mesh: &Mesh,
+    mesh: MeshRef<'_>,
     normalised: &Normalised,
     tree: &Tree,
     settings: &Settings,

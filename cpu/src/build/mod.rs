@@ -37,7 +37,7 @@ pub(crate) use overlap::Split;
 pub(crate) use part::box_inside;
 pub use settings::Spoiled;
 
-use crate::mesh::Mesh;
+use crate::mesh::MeshRef;
 use monitor::Monitor;
 use settings::{Settings, WALK_STEP_COST};
 use tree::Tree;
@@ -118,11 +118,11 @@ impl Builder {
         self
     }
 
-    /// Builds on the threads of the current rayon pool.
+    /// Builds on the threads of the current rayon pool. A mesh is a `&Mesh` or a [`MeshRef`].
     ///
     /// # Errors
     /// [`BuildError`].
-    pub fn build(&self, mesh: &Mesh) -> Result<Octree<Vec<u32>>, BuildError> {
+    pub fn build<'a>(&self, mesh: impl Into<MeshRef<'a>>) -> Result<Octree<Vec<u32>>, BuildError> {
         self.build_with_progress(mesh, |_| ControlFlow::Continue(()))
     }
 
@@ -130,14 +130,17 @@ impl Builder {
     ///
     /// # Errors
     /// [`BuildError`], [`BuildError::Cancelled`] when the callback breaks.
-    pub fn build_with_progress(
+    pub fn build_with_progress<'a>(
         &self,
-        mesh: &Mesh,
+        mesh: impl Into<MeshRef<'a>>,
         progress: impl Fn(Progress) -> ControlFlow<()> + Sync,
     ) -> Result<Octree<Vec<u32>>, BuildError> {
+        self.build_monitored(mesh.into(), &Monitor::new(&progress))
+    }
+
+    fn build_monitored(&self, mesh: MeshRef<'_>, monitor: &Monitor<'_>) -> Result<Octree<Vec<u32>>, BuildError> {
         let settings = &self.settings;
         settings.check()?;
-        let monitor = Monitor::new(&progress);
         monitor.check(0.0)?;
         settings.check_memory(normalise::bytes_needed(mesh))?;
         let normalised = self.normalise(mesh)?;
@@ -146,7 +149,7 @@ impl Builder {
         assemble::assemble(mesh, &normalised, &tree, settings, &monitor.part(0.6, 1.0))
     }
 
-    fn normalise(&self, mesh: &Mesh) -> Result<Normalised, BuildError> {
+    fn normalise(&self, mesh: MeshRef<'_>) -> Result<Normalised, BuildError> {
         let mut normalised = match self.settings.spoiled {
             Spoiled::MeshMargin => normalise::normalise_touching(mesh)?,
             _ => normalise_with(mesh, self.settings.non_finite)?,

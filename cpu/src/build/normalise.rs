@@ -8,10 +8,10 @@ use leafwalk_core::testing::frame_touching;
 use rayon::prelude::*;
 
 use super::error::BuildError;
-use crate::mesh::Mesh;
+use crate::mesh::MeshRef;
 
 /// Bytes that the normalised mesh takes, and what it is made from.
-pub(crate) fn bytes_needed(mesh: &Mesh) -> u64 {
+pub(crate) fn bytes_needed(mesh: MeshRef<'_>) -> u64 {
     let triangle = size_of::<Triangle>();
     let vertex = size_of::<[f32; 3]>() + size_of::<AtomicBool>();
     mesh.triangles.len() as u64 * triangle as u64 + mesh.positions.len() as u64 * vertex as u64
@@ -38,21 +38,21 @@ pub(crate) enum NonFinite {
     Dropped,
 }
 
-pub(crate) fn normalise(mesh: &Mesh) -> Result<Normalised, BuildError> {
+pub(crate) fn normalise(mesh: MeshRef<'_>) -> Result<Normalised, BuildError> {
     normalise_with(mesh, NonFinite::Refused)
 }
 
 /// [`normalise`] with vertices on the root's faces, which the contract forbids.
-pub(crate) fn normalise_touching(mesh: &Mesh) -> Result<Normalised, BuildError> {
+pub(crate) fn normalise_touching(mesh: MeshRef<'_>) -> Result<Normalised, BuildError> {
     normalise_into(mesh, NonFinite::Refused, frame_touching)
 }
 
-pub(crate) fn normalise_with(mesh: &Mesh, non_finite: NonFinite) -> Result<Normalised, BuildError> {
+pub(crate) fn normalise_with(mesh: MeshRef<'_>, non_finite: NonFinite) -> Result<Normalised, BuildError> {
     normalise_into(mesh, non_finite, Frame::around)
 }
 
 fn normalise_into(
-    mesh: &Mesh,
+    mesh: MeshRef<'_>,
     non_finite: NonFinite,
     frame: impl Fn([f32; 3], [f32; 3]) -> Frame,
 ) -> Result<Normalised, BuildError> {
@@ -75,7 +75,7 @@ fn normalise_into(
         let moved = |k: usize| (f64::from(vertex[k]) - exact(position[k], k)).abs() as f32;
         (0..3).map(moved).fold(0.0, f32::max)
     };
-    let rounding = vertices.par_iter_mut().zip(&mesh.positions).zip(&used).map(place).reduce(|| 0.0, f32::max);
+    let rounding = vertices.par_iter_mut().zip(mesh.positions).zip(&used).map(place).reduce(|| 0.0, f32::max);
 
     let (dropped, collapsed) = (AtomicU32::new(0), AtomicU32::new(0));
     let triangle = |(primitive, indices): (usize, &[u32; 3])| {
@@ -103,7 +103,7 @@ fn is_listed(corners: &[[f32; 3]; 3]) -> bool {
 }
 
 /// Marks the vertices of all triangles that are not left out.
-fn used_vertices(mesh: &Mesh, non_finite: NonFinite) -> Result<Vec<AtomicBool>, BuildError> {
+fn used_vertices(mesh: MeshRef<'_>, non_finite: NonFinite) -> Result<Vec<AtomicBool>, BuildError> {
     let used: Vec<AtomicBool> = mesh.positions.iter().map(|_| AtomicBool::new(false)).collect();
     let mark = |indices: &[u32; 3]| {
         let is_sound = |&index: &u32| {
@@ -123,7 +123,7 @@ fn used_vertices(mesh: &Mesh, non_finite: NonFinite) -> Result<Vec<AtomicBool>, 
     Ok(used)
 }
 
-fn check_counts(mesh: &Mesh) -> Result<(), BuildError> {
+fn check_counts(mesh: MeshRef<'_>) -> Result<(), BuildError> {
     let too_large =
         |what, count: usize| BuildError::TooLarge { what, count: count as u64, limit: u64::from(u32::MAX) - 1 };
     if mesh.triangles.len() >= u32::MAX as usize {
@@ -136,7 +136,7 @@ fn check_counts(mesh: &Mesh) -> Result<(), BuildError> {
 }
 
 /// Finds the first triangle that no build takes.
-fn check_vertices(mesh: &Mesh, non_finite: NonFinite) -> Result<(), BuildError> {
+fn check_vertices(mesh: MeshRef<'_>, non_finite: NonFinite) -> Result<(), BuildError> {
     let vertices = mesh.positions.len();
     let fault = mesh.triangles.par_iter().enumerate().find_map_first(|(triangle, indices)| {
         indices.iter().find_map(|&index| match mesh.positions.get(index as usize) {
