@@ -49,6 +49,8 @@ mod octree_file;
 #[doc(hidden)]
 pub mod output_file;
 
+#[cfg(feature = "serde")]
+pub use leafwalk_core::numbers;
 pub use leafwalk_core::{
     Aabb, AlignedBytes, Blocks, CanonicalRay, Clock, DecodeError, Frame, Hit, Indexed, LEAF_SIZES, LengthMismatch,
     Octree, Parts, Ray, RecordFault, Stats, Tracer, Walk, Work, geometric_normal, hit_hash, layout, one_by_one, wire,

@@ -39,6 +39,8 @@ pub mod lanes;
 pub mod layout;
 mod nearest;
 mod normal;
+#[cfg(feature = "serde")]
+pub mod numbers;
 mod octree;
 mod parts;
 mod policy;

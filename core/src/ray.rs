@@ -7,15 +7,20 @@ use bytemuck::{Pod, Zeroable};
 /// The direction needs no unit length; `t` counts in multiples of it. A ray is *invalid*, and misses, when any
 /// component is NaN, when `origin`, `direction` or `t_min` holds an infinity, or when the direction is zero.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct Ray {
     /// Where `t` is 0.
+    #[cfg_attr(feature = "serde", serde(with = "crate::numbers::triple"))]
     pub origin: [f32; 3],
     /// Hits count strictly beyond it; it may be negative.
+    #[cfg_attr(feature = "serde", serde(with = "crate::numbers::number"))]
     pub t_min: f32,
     /// Any length but zero.
+    #[cfg_attr(feature = "serde", serde(with = "crate::numbers::triple"))]
     pub direction: [f32; 3],
     /// Hits count strictly before it; infinity means no limit.
+    #[cfg_attr(feature = "serde", serde(with = "crate::numbers::number"))]
     pub t_max: f32,
 }
 
@@ -46,13 +51,17 @@ impl Ray {
 
 /// Where a ray meets a triangle, or [`Hit::MISS`].
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct Hit {
     /// Distance along the ray in multiples of its direction; infinity for a miss.
+    #[cfg_attr(feature = "serde", serde(with = "crate::numbers::number"))]
     pub t: f32,
     /// Barycentric weight of the triangle's vertex 1, in 0..=1.
+    #[cfg_attr(feature = "serde", serde(with = "crate::numbers::number"))]
     pub u: f32,
     /// Barycentric weight of the triangle's vertex 2, in 0..=1.
+    #[cfg_attr(feature = "serde", serde(with = "crate::numbers::number"))]
     pub v: f32,
     /// The triangle's index in the mesh; `u32::MAX` for a miss.
     pub primitive: u32,

@@ -8,6 +8,7 @@ pub const LEAF_SIZES: usize = 10;
 
 /// What an octree holds, in numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Stats {
     /// Triangles of the mesh, those dropped included.

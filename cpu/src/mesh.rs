@@ -6,13 +6,31 @@ use leafwalk_core::{Hit, geometric_normal};
 ///
 /// A triangle's place in `triangles` is its `primitive` in every hit.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mesh {
     /// Vertex positions; those no triangle uses are ignored.
+    #[cfg_attr(feature = "serde", serde(with = "positions"))]
     pub positions: Vec<[f32; 3]>,
     /// Three indices into `positions` a triangle.
     pub triangles: Vec<[u32; 3]>,
     /// One material id a triangle, or empty: no materials.
     pub material_ids: Vec<u32>,
+}
+
+/// Positions for serde, with numbers that formats for humans lack.
+#[cfg(feature = "serde")]
+mod positions {
+    use leafwalk_core::numbers::Number;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(positions: &[[f32; 3]], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(positions.iter().map(|position| position.map(Number)))
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<[f32; 3]>, D::Error> {
+        let positions = Vec::<[Number<f32>; 3]>::deserialize(deserializer)?;
+        Ok(positions.into_iter().map(|position| position.map(|Number(c)| c)).collect())
+    }
 }
 
 /// A borrowed [`Mesh`]: what builds and verifications read.
