@@ -100,7 +100,7 @@ pub(crate) fn assemble(
     section(Section::Vertices).copy_from_slice(bytemuck::cast_slice(&vertices));
     section(Section::Bvh).copy_from_slice(bytemuck::cast_slice(&bvh));
     section(Section::Grid).copy_from_slice(&linked.grid);
-    section(Section::Materials).copy_from_slice(&mesh.material_ids);
+    section(Section::Materials).copy_from_slice(mesh.material_ids);
     wire::seal(&mut words, &spans);
     let octree = match settings.spoiled {
         Spoiled::MeshMargin => testing::from_sealed::<_, Touching>(words),
