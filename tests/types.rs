@@ -47,7 +47,9 @@ fn pointers_to_tracers_are_tracers() {
     let expected = [Hit { t: 2.0, u: 0.25, v: 0.5, primitive: 0 }, Hit::MISS];
     let any: &dyn Tracer<Error = LengthMismatch> = &octree;
     assert_eq!(hits(any), expected);
-    assert_eq!(hits(&CpuTracer::new(octree.view())), expected);
+    let tracer = CpuTracer::new(octree.view());
+    assert_eq!(hits(&tracer), expected);
+    assert_eq!(hits(tracer), expected);
     let boxed: Box<dyn Tracer<Error = LengthMismatch>> = Box::new(octree.view());
     assert_eq!((hits(&boxed), hits(boxed)), (expected, expected));
     assert_eq!(hits(Arc::new(CpuTracer::new(octree))), expected);
