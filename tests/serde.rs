@@ -80,7 +80,7 @@ fn boxes_statistics_and_meshes_come_back() {
     let stats: Stats = octree.stats();
     assert_eq!(round_trips(&stats), [stats; 2]);
     let nothing = Aabb { lower: [f64::INFINITY; 3], upper: [f64::NEG_INFINITY; 3] };
-    let odd = Aabb { lower: [-0.0, 5e-324, 0.1], upper: [1.0 / 3.0, f64::MAX, 2.2250738585072011e-308] };
+    let odd = Aabb { lower: [-0.0, 5e-324, 0.1], upper: [1.0 / 3.0, f64::MAX, 2.225_073_858_507_201e-308] };
     let words = |aabb: &Aabb| [aabb.lower, aabb.upper].map(|corner| corner.map(f64::to_bits));
     for aabb in [octree.bounds(), nothing, odd] {
         for found in round_trips(&aabb) {
