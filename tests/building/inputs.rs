@@ -24,7 +24,7 @@ fn sound(mesh: &Mesh, count: u64) -> (Octree<Vec<u32>>, usize) {
 #[test]
 fn a_borrowed_mesh_builds_the_same_octree() {
     let mut mesh = meshes::soup(100, 43);
-    mesh.material_ids = (0..100).collect();
+    mesh.material_ids = (0..mesh.triangles.len() as u32).collect();
     let indices: Vec<u32> = mesh.triangles.as_flattened().to_vec();
     let coordinates: Vec<f32> = mesh.positions.as_flattened().to_vec();
     let borrowed = MeshRef::new(bytemuck::cast_slice(&coordinates), bytemuck::cast_slice(&indices))
