@@ -1,6 +1,7 @@
 //! Answers beside the CPU's.
 
 use leafwalk::{CpuTracer, Hit, Octree, Ray, Tracer};
+use leafwalk_testing::tally::differing;
 use leafwalk_testing::workloads::Workload;
 
 use crate::contender::OCCLUDED;
@@ -46,7 +47,6 @@ impl<'a> Judge<'a> {
 
     /// How many answers differ in any bit.
     pub(crate) fn differing(&self, found: &[Hit]) -> usize {
-        let words = |hit: &Hit| [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive];
-        found.iter().zip(&self.expected).filter(|(found, expected)| words(found) != words(expected)).count()
+        differing(found, &self.expected)
     }
 }

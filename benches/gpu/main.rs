@@ -10,7 +10,7 @@ mod cwbvh;
 mod judge;
 mod report;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Parser;
 use leafwalk::{Builder, Hit, Mesh, Octree, Ray, Work};
@@ -37,10 +37,10 @@ struct Arguments {
     #[arg(long)]
     adapter: Option<String>,
     /// A frame's primary rays are this many squared; a multiple of 8.
-    #[arg(long, default_value_t = 1024, value_parser = side)]
+    #[arg(long, default_value_t = 1024, value_parser = workloads::side)]
     side: u32,
     /// A batch's likewise: 16 M rays, or on software adapters none, unless told otherwise.
-    #[arg(long, value_parser = side)]
+    #[arg(long, value_parser = workloads::side)]
     batch_side: Option<u32>,
     /// Rounds of each measurement: 9, or on software adapters, whose speed says nothing, none unless told otherwise.
     #[arg(long)]
@@ -57,11 +57,6 @@ struct Arguments {
 const BATCH_SIDE: u32 = 4096;
 /// On hardware.
 const ROUNDS: u32 = 9;
-
-fn side(text: &str) -> Result<u32, String> {
-    let is_right = |side: &u32| (8..=8192).contains(side) && side.is_multiple_of(8);
-    text.parse().ok().filter(is_right).ok_or_else(|| "give a multiple of 8 from 8 to 8192".into())
-}
 
 fn main() {
     let arguments = Arguments::parse();
@@ -120,15 +115,9 @@ fn all_scenes(arguments: &Arguments) -> Vec<(String, Mesh, bool)> {
     let load = |(path, inside): (PathBuf, bool)| {
         let loaded = leafwalk::load_mesh(&path);
         let mesh = loaded.unwrap_or_else(|error| fail(&format!("{}: {error}", path.display()))).mesh;
-        (name_of(&path), mesh, inside)
+        (scenes::name_of(&path), mesh, inside)
     };
     files.into_iter().map(load).collect()
-}
-
-/// A file's name up to its first dot.
-fn name_of(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.split('.').next().unwrap_or_default().to_owned()
 }
 
 struct Scene {

@@ -38,7 +38,7 @@ struct Arguments {
     #[arg(long, default_value_t = 3)]
     build_rounds: u32,
     /// Primary rays are this many squared; a multiple of 8.
-    #[arg(long, default_value_t = 1024, value_parser = side)]
+    #[arg(long, default_value_t = 1024, value_parser = workloads::side)]
     side: u32,
     /// Measures nothing: prints the bars from what is in the CSV.
     #[arg(long)]
@@ -49,11 +49,6 @@ struct Arguments {
     /// Cargo passes it.
     #[arg(long, hide = true)]
     bench: bool,
-}
-
-fn side(text: &str) -> Result<u32, String> {
-    let is_right = |side: &u32| (8..=8192).contains(side) && side.is_multiple_of(8);
-    text.parse().ok().filter(is_right).ok_or_else(|| "give a multiple of 8 from 8 to 8192".into())
 }
 
 impl Arguments {

@@ -3,7 +3,7 @@
 
 use leafwalk_core::Octree;
 
-use crate::device::{DeviceError, Gpu, MapKernel, SelfTest};
+use crate::device::{AdapterChoice, DeviceError, Gpu, MapKernel, SelfTest, adapters};
 use crate::error::GpuError;
 use crate::flavour::Flavour;
 use crate::resident::DeviceRays;
@@ -12,6 +12,14 @@ use crate::tracer::GpuTracer;
 pub use crate::device::MapSetup;
 pub use crate::shader::{Arithmetic, MOST_BINDINGS, WordBindings, checks, generating, tracing};
 pub use crate::walk::{DeviceAnswer, DeviceHit, DeviceRay, OctreeSetup};
+
+/// What tests open: every adapter by its full name, or what the environment asks for.
+pub fn choices() -> Vec<AdapterChoice> {
+    if std::env::var_os(AdapterChoice::VARIABLE).is_some() {
+        return vec![AdapterChoice::from_environment()];
+    }
+    adapters().into_iter().map(|adapter| AdapterChoice::Name(adapter.to_string())).collect()
+}
 
 /// A tracer of the flavour `exact` without its guards.
 pub fn unguarded_tracer<W: AsRef<[u32]>>(gpu: &Gpu, octree: &Octree<W>) -> Result<GpuTracer, GpuError> {

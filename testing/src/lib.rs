@@ -3,7 +3,7 @@
 //! | module | what it holds |
 //! | --- | --- |
 //! | [`meshes`], [`rays`], [`random`] | meshes made in code and rays aimed at them, from a seed: the same on every machine |
-//! | [`scenes`] | where the real scenes are |
+//! | [`scenes`] | scenes made in code, and where the real ones are |
 //! | [`workloads`] | the four kinds of rays that benches measure with |
 //! | [`edited`] | the words of an octree, to be spoiled section by section |
 //! | [`tracers`] | tracers that differ from those that serve, and tracers with names |

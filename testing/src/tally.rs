@@ -89,3 +89,17 @@ pub fn tally(count: u64, check: impl Fn(Range<u64>, &mut Tally) + Sync) -> Tally
 pub fn bits(hit: &Hit) -> [u32; 4] {
     [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive]
 }
+
+/// How many hits differ in any bit.
+pub fn differing(hits: &[Hit], expected: &[Hit]) -> usize {
+    hits.iter().zip(expected).filter(|(hit, expected)| bits(hit) != bits(expected)).count()
+}
+
+/// How many rays hit another triangle, or only one of the two hits.
+pub fn others(hits: &[Hit], expected: &[Hit]) -> usize {
+    hits.iter().zip(expected).filter(|(hit, expected)| hit.primitive != expected.primitive).count()
+}
+
+/// Share of random rays that a tracer which promises no bits may take to another triangle of [`crate::scenes::ORDINARY`]:
+/// what the flavour `fast` of the shaders is expected to stay under.
+pub const MOST_OTHERS: f64 = 1e-4;

@@ -67,6 +67,25 @@ impl<W: AsRef<[u32]> + Sync> OneByOne<'_, W> {
 }
 tracer!(OneByOne<W: Words>);
 
+/// A tracer one of whose hits is wrong: a batch's first has the lowest bit of its v flipped.
+pub struct Flipped<T>(pub T);
+
+impl<T: Tracer> Tracer for Flipped<T> {
+    type Error = T::Error;
+
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), T::Error> {
+        self.0.closest_hits(rays, hits)?;
+        if let Some(hit) = hits.iter_mut().find(|hit| !hit.is_miss()) {
+            hit.v = f32::from_bits(hit.v.to_bits() ^ 1);
+        }
+        Ok(())
+    }
+
+    fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), T::Error> {
+        self.0.occlusions(rays, occluded)
+    }
+}
+
 /// The words of an octree, which several threads read.
 pub trait Words: AsRef<[u32]> + Sync {}
 impl<W: AsRef<[u32]> + Sync> Words for W {}

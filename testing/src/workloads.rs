@@ -43,6 +43,15 @@ pub fn all<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &Mesh, inside: bool, side:
     ]
 }
 
+/// Reads the `side` of [`all`] from an argument.
+///
+/// # Errors
+/// When it is no multiple of 8, or so large that nobody means it.
+pub fn side(text: &str) -> Result<u32, String> {
+    let is_right = |side: &u32| (8..=8192).contains(side) && side.is_multiple_of(8);
+    text.parse().ok().filter(is_right).ok_or_else(|| "give a multiple of 8 from 8 to 8192".into())
+}
+
 fn point(bounds: &Aabb, at: [f64; 3]) -> [f32; 3] {
     core::array::from_fn(|k| (bounds.lower[k] + at[k] * (bounds.upper[k] - bounds.lower[k])) as f32)
 }

@@ -16,9 +16,9 @@
 mod alone;
 pub(crate) mod bvh;
 mod interleaved;
-mod packet;
+pub(crate) mod packet;
 mod patience;
-mod probe;
+pub(crate) mod probe;
 pub(crate) mod query;
 mod run;
 pub(crate) mod single;
@@ -37,7 +37,7 @@ use patience::Patience;
 use query::Query;
 use run::Run;
 use tile::Tile;
-pub(crate) use tile::Tiling;
+pub(crate) use tile::{Runs, Tiling};
 
 /// Packets that are worth a tile, which is filled up with repetitions of the last one.
 const LEAST_RUN: usize = 4;
@@ -77,7 +77,12 @@ impl<B: BlockSource, Q: Query> Kernel for Batch<'_, B, Q> {
                 }
             }
             let mut at = 0;
-            if run.len() >= LEAST_RUN && patience.tries() {
+            let is_tried = match tiling.runs {
+                Runs::Worthwhile => run.len() >= LEAST_RUN && patience.tries(),
+                Runs::All => run.len() > 0,
+                Runs::None => false,
+            };
+            if is_tried {
                 let (first, len) = (run.first(), run.len());
                 if let Some(mut tile) = Tile::<L>::new(run.fill_up(), tiling) {
                     let is_answered = tile.trace::<B, Q>(bvh, &mut waiting);

@@ -6,11 +6,12 @@ use leafwalk::{Hit, Ray, Tracer, Work};
 use leafwalk_core::Walk;
 use leafwalk_gpu::testing::{Arithmetic, checks, self_test_of, unguarded_tracer};
 use leafwalk_gpu::{Exactness, Flavour, Gpu, GpuTracer, SelfTest};
-use leafwalk_testing::tally::scaled;
+use leafwalk_testing::scenes::ORDINARY;
+use leafwalk_testing::tally::{MOST_OTHERS, differing, others, scaled};
 use leafwalk_testing::{meshes, rays};
 
 use crate::Test;
-use crate::scenes::{self, Scene, differing};
+use crate::scenes::{self, Scene};
 
 pub(crate) const TESTS: &[Test] = &[
     ("exact hits, occlusions and cells are the scalar tracer's", exact),
@@ -20,9 +21,6 @@ pub(crate) const TESTS: &[Test] = &[
 
 /// Rays a scene; half as many random ones beside them.
 const RAYS: u64 = 20_000;
-
-/// Share of random rays that may hit another triangle of an ordinary scene: what the flavour is expected to stay under.
-const MOST_OTHERS: f64 = 1e-4;
 
 /// Rays of a scene, and what the scalar tracer does with each.
 struct Expected {
@@ -89,8 +87,7 @@ fn fast(gpu: &Gpu) {
         let tracer = GpuTracer::on(gpu, &scene.octree, Flavour::Fast).expect("room for a small octree");
         for (kind, rays) in [("hard", scenes::hard(scene, RAYS, seed)), ("random", scenes::chords(scene, RAYS, seed))] {
             let (expected, found) = (hits(&scene.octree, &rays), hits(&tracer, &rays));
-            let others =
-                found.iter().zip(&expected).filter(|(hit, expected)| hit.primitive != expected.primitive).count();
+            let others = others(&found, &expected);
             let (bits, of) = (differing(&found, &expected), rays.len());
             println!(
                 "{}: fast, {}: of {of} {kind} rays {bits} hits differ, {others} in the triangle",
@@ -98,7 +95,7 @@ fn fast(gpu: &Gpu) {
                 scene.name
             );
             // Elsewhere rays or triangles are made to differ.
-            let is_ordinary = scene.name == scenes::ORDINARY && kind == "random";
+            let is_ordinary = scene.name == ORDINARY && kind == "random";
             assert!(!is_ordinary || others as f64 <= MOST_OTHERS * of as f64, "{}: {others} of {of}", scene.name);
         }
     }

@@ -3,10 +3,11 @@
 use leafwalk::{Hit, LengthMismatch, Ray, Tracer, Work};
 use leafwalk_gpu::{DeviceError, Flavour, Gpu, GpuError, GpuTracer, testing};
 use leafwalk_testing::meshes;
+use leafwalk_testing::tally::differing;
 
 use crate::Test;
 use crate::answers::hits;
-use crate::scenes::{self, Scene, differing};
+use crate::scenes::{self, Scene};
 
 pub(crate) const TESTS: &[Test] = &[
     ("batches of any size", sizes),

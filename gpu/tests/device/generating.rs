@@ -4,10 +4,11 @@ use leafwalk::{Hit, Ray};
 use leafwalk_gpu::testing::rays_on_device;
 use leafwalk_gpu::{DeviceRay, Flavour, Gpu, GpuError, GpuTracer};
 use leafwalk_testing::meshes;
+use leafwalk_testing::tally::differing;
 
 use crate::Test;
 use crate::pinhole::Pinhole;
-use crate::scenes::{Scene, differing};
+use crate::scenes::Scene;
 
 pub(crate) const TESTS: &[Test] = &[
     ("camera rays made on the device are the CPU's, and so are their hits", cameras),

@@ -12,7 +12,8 @@ mod staying;
 
 use std::process::ExitCode;
 
-use leafwalk_gpu::{AdapterChoice, Gpu, adapters};
+use leafwalk_gpu::testing::choices;
+use leafwalk_gpu::{AdapterChoice, Gpu};
 use libtest_mimic::{Arguments, Failed, Trial};
 
 /// A test, by its name.
@@ -57,12 +58,4 @@ fn name_of(choice: &AdapterChoice) -> String {
 /// Another device on the same adapter.
 fn open_again(gpu: &Gpu) -> Gpu {
     Gpu::open(&AdapterChoice::Name(gpu.adapter().to_string())).expect("an adapter that was opened before")
-}
-
-/// What to open: every adapter by its full name, or what the environment asks for.
-fn choices() -> Vec<AdapterChoice> {
-    if std::env::var_os(AdapterChoice::VARIABLE).is_some() {
-        return vec![AdapterChoice::from_environment()];
-    }
-    adapters().into_iter().map(|adapter| AdapterChoice::Name(adapter.to_string())).collect()
 }

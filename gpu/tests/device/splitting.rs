@@ -8,10 +8,11 @@ use leafwalk_core::layout::Section;
 use leafwalk_gpu::testing::split_tracer;
 use leafwalk_gpu::{Flavour, Gpu, GpuError, GpuTracer};
 use leafwalk_testing::meshes;
+use leafwalk_testing::tally::differing;
 
 use crate::Test;
 use crate::answers::hits;
-use crate::scenes::{self, Scene, differing};
+use crate::scenes::{self, Scene};
 
 pub(crate) const TESTS: &[Test] = &[
     ("an octree in two to six bindings", small),

@@ -2,10 +2,11 @@
 
 use leafwalk_gpu::{Flavour, Gpu, GpuError, GpuTracer};
 use leafwalk_testing::meshes;
+use leafwalk_testing::tally::differing;
 
 use crate::Test;
 use crate::answers::hits;
-use crate::scenes::{self, Scene, differing};
+use crate::scenes::{self, Scene};
 
 pub(crate) const TESTS: &[Test] = &[
     ("rays and hits stay on the device until they are read", staying),
