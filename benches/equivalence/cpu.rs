@@ -10,8 +10,10 @@ use leafwalk_testing::tracers::{OneByOne, Stepping};
 use crate::backend::Backend;
 use crate::scene::Scene;
 
-/// Triangle tests of brute force for a kind of rays: some of the rays stand for all where it would take more.
-const MOST_TESTS: usize = 1 << 24;
+/// Triangle tests of brute force for a kind of rays: where all rays would take more, some stand for them.
+const MOST_TESTS: usize = 1 << 22;
+/// As many rays as it is asked at least, however large the mesh.
+const LEAST_RAYS: usize = 64;
 
 /// A tracer by the registers that it runs on.
 type InRegisters<'a> = (&'static str, CpuTracer<&'a [u32]>);
@@ -43,7 +45,7 @@ impl<'a> Tracers<'a> {
     /// Every backend of the CPU.
     pub(crate) fn backends(&self) -> Vec<Backend<'_>> {
         let mut brute_force = Backend::exact("brute force", &self.brute_force);
-        brute_force.most_rays = (MOST_TESTS / testing::triangles(&self.brute_force).len().max(1)).max(1);
+        brute_force.most_rays = (MOST_TESTS / testing::triangles(&self.brute_force).len().max(1)).max(LEAST_RAYS);
         let scalar = Backend::exact("scalar walk", self.octree).counting(|rays| {
             let walked = rays.iter().map(|ray| Walk::new(&self.parts).closest_hit_with_work(ray));
             walked.map(|(hit, work)| (Hit::from(hit), work.cells)).unzip()

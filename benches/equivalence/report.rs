@@ -45,7 +45,7 @@ impl Report {
     pub(crate) fn start(&mut self, scene: &Scene) {
         println!("\n{}: {} triangles", scene.name, scene.mesh.triangles.len());
         println!(
-            "{:4} {:48} {:>7} {:>9} {:>16} {:>9} {:>9} {:>9} {:>8}",
+            "{:4} {:52} {:>7} {:>9} {:>16} {:>9} {:>9} {:>9} {:>8}",
             "rays", "backend", "threads", "number", "hash of hits", "differing", "occlusion", "cells/ray", "Mrays/s"
         );
     }
@@ -56,7 +56,7 @@ impl Report {
         let speed = row.rays as f64 / row.time.as_secs_f64() / 1e6;
         let verdict = if row.breaks > 0 { format!(" BREAKS {}", row.breaks) } else { String::new() };
         println!(
-            "{:4} {:48} {:>7} {:>9} {:016x} {:>9} {:>9} {cells:>9} {speed:>8.3}{verdict}",
+            "{:4} {:52} {:>7} {:>9} {:016x} {:>9} {:>9} {cells:>9} {speed:>8.3}{verdict}",
             row.rays_of, backend.name, row.threads, row.rays, row.hash, row.differing, row.wrong_occlusions
         );
         let (name, promise) = (backend.name.clone(), backend.promise);

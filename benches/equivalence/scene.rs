@@ -23,6 +23,7 @@ pub(crate) struct Scene {
     /// Seen from inside, as a room is.
     inside: bool,
     /// Made of healthy triangles only.
+    #[cfg_attr(not(feature = "gpu"), allow(dead_code, reason = "only what GPUs promise depends on it"))]
     pub(crate) is_ordinary: bool,
 }
 
