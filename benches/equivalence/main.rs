@@ -1,8 +1,9 @@
 //! Whether every backend gives the same bits: each scene, each kind of rays, each way to trace them, beside the scalar walk.
 //!
-//! `cargo bench --bench equivalence [--features gpu] [-- MESH ...]`; without a mesh, the scenes are made in code. With the
-//! feature, every adapter traces in both flavours, or the one that LEAFWALK_ADAPTER picks. Ends with exit code 1 where an
-//! answer differs that docs/contract.md promises; `--flip` breaks a bit, to see that it does.
+//! `cargo bench --bench equivalence [--features gpu] [-- MESH ...]`; without a mesh, the scenes are made in code. Paths are
+//! absolute, since Cargo runs benches in the folder of their package. With the feature, every adapter traces in both
+//! flavours, or the one that LEAFWALK_ADAPTER picks. Ends with exit code 1 where an answer differs that docs/contract.md
+//! promises; `--flip` breaks a bit, to see that it does.
 
 mod backend;
 mod cpu;

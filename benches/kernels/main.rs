@@ -6,6 +6,8 @@
 mod inner;
 mod whole;
 
+use core::time::Duration;
+
 use criterion::{BenchmarkGroup, Criterion, Throughput, measurement::WallTime};
 use leafwalk::{Builder, CpuTracer, Mesh, Octree};
 use leafwalk_cpu::testing;
@@ -14,6 +16,9 @@ use leafwalk_testing::workloads::{self, Workload};
 
 /// Primary rays are this many squared.
 const SIDE: u32 = 128;
+/// What a loop gets unless arguments say otherwise: all of them take two minutes.
+const WARM_UP: Duration = Duration::from_secs(1);
+const MEASUREMENT: Duration = Duration::from_secs(2);
 
 /// What is measured on: 20,480 triangles of about equal size.
 pub(crate) struct Scene {
@@ -45,7 +50,8 @@ pub(crate) fn group<'a>(criterion: &'a mut Criterion, name: &str, elements: usiz
 fn main() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
     pool.install(|| {
-        let mut criterion = Criterion::default().configure_from_args();
+        let criterion = Criterion::default().warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
+        let mut criterion = criterion.configure_from_args();
         let scene = Scene::new(&meshes::bumpy_sphere(5, 1));
         inner::measure(&mut criterion, &scene);
         whole::measure(&mut criterion, &scene);

@@ -29,9 +29,11 @@ fn decode(criterion: &mut Criterion, scene: &Scene) {
     let mut group = group(criterion, "decode", scene.octree.parts().header.primitives as usize);
     group.sample_size(SAMPLES);
     group.bench_function("checksum and contents", |bencher| {
-        bencher.iter(|| Octree::from_words(black_box(words)).is_ok());
+        bencher.iter(|| Octree::from_words(black_box(words)).expect("words of an octree"));
     });
-    group.bench_function("contents", |bencher| bencher.iter(|| Octree::from_sealed(black_box(words)).is_ok()));
+    group.bench_function("contents", |bencher| {
+        bencher.iter(|| Octree::from_sealed(black_box(words)).expect("words of an octree"));
+    });
 }
 
 /// By the triangle.
@@ -40,7 +42,9 @@ fn build(criterion: &mut Criterion) {
     let mut group = group(criterion, "build", mesh.triangles.len());
     group.sample_size(SAMPLES);
     for (name, builder) in [("packed", Builder::new()), ("compact", Builder::new().compact())] {
-        group.bench_function(name, |bencher| bencher.iter(|| builder.build(black_box(&mesh)).is_ok()));
+        group.bench_function(name, |bencher| {
+            bencher.iter_with_large_drop(|| builder.build(black_box(&mesh)).expect("a mesh that builds"));
+        });
     }
 }
 
@@ -58,8 +62,8 @@ fn batches(criterion: &mut Criterion, scene: &Scene) {
         let (mut hits, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
         for (way, tracer) in tracers {
             group.bench_function(way, |bencher| match is_occlusion {
-                true => bencher.iter(|| tracer.occlusions(black_box(rays), &mut occluded)),
-                false => bencher.iter(|| tracer.closest_hits(black_box(rays), &mut hits)),
+                true => bencher.iter(|| tracer.occlusions(black_box(rays), &mut occluded).expect("equal lengths")),
+                false => bencher.iter(|| tracer.closest_hits(black_box(rays), &mut hits).expect("equal lengths")),
             });
         }
     }
