@@ -19,16 +19,18 @@ use core::marker::PhantomData;
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// The strings that stand for what is not finite.
+/// The string that stands for positive infinity.
 const INFINITE: &str = "inf";
+/// The string that stands for negative infinity.
 const NEGATIVE: &str = "-inf";
+/// The string that stands for every NaN.
 const NAN: &str = "NaN";
 
 /// An f32 or f64 that every format can hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Number<T>(pub T);
 
-/// f32 and f64.
+/// The floating-point types that a [`Number`] may hold: f32 and f64.
 pub trait Float: Copy + Into<f64> + Serialize + for<'de> Deserialize<'de> {
     /// The nearest number of this type.
     fn nearest(x: f64) -> Self;
@@ -104,18 +106,18 @@ impl<T: Float> Visitor<'_> for Reader<T> {
 pub mod number {
     use super::{Deserialize, Deserializer, Float, Number, Serialize, Serializer};
 
-    /// Writes it.
+    /// Writes a number, or the string that stands for it.
     ///
     /// # Errors
-    /// Those of the format.
+    /// When the format cannot write a number or a string.
     pub fn serialize<T: Float, S: Serializer>(x: &T, serializer: S) -> Result<S::Ok, S::Error> {
         Number(*x).serialize(serializer)
     }
 
-    /// Reads it.
+    /// Reads a number, or a string that stands for one.
     ///
     /// # Errors
-    /// Those of the format, and for what is no number.
+    /// When the input breaks the rules of its format, or is neither a number nor one of the three strings.
     pub fn deserialize<'de, T: Float, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
         Number::deserialize(deserializer).map(|Number(x)| x)
     }
@@ -125,18 +127,18 @@ pub mod number {
 pub mod triple {
     use super::{Deserialize, Deserializer, Float, Number, Serialize, Serializer};
 
-    /// Writes them.
+    /// Writes three numbers, each of them as [`super::number`] does.
     ///
     /// # Errors
-    /// Those of the format.
+    /// When the format cannot write a number or a string.
     pub fn serialize<T: Float, S: Serializer>(triple: &[T; 3], serializer: S) -> Result<S::Ok, S::Error> {
         triple.map(Number).serialize(serializer)
     }
 
-    /// Reads them.
+    /// Reads three numbers, each of them as [`super::number`] does.
     ///
     /// # Errors
-    /// Those of the format, and for what is no triple of numbers.
+    /// When the input breaks the rules of its format, or is not made of three numbers.
     pub fn deserialize<'de, T: Float, D: Deserializer<'de>>(deserializer: D) -> Result<[T; 3], D::Error> {
         <[Number<T>; 3]>::deserialize(deserializer).map(|triple| triple.map(|Number(x)| x))
     }

@@ -11,13 +11,13 @@ pub struct Mesh {
     /// Vertex positions; those no triangle uses are ignored.
     #[cfg_attr(feature = "serde", serde(with = "positions"))]
     pub positions: Vec<[f32; 3]>,
-    /// Three indices into `positions` a triangle.
+    /// The corners of each triangle: three indices into `positions`, counter-clockwise as seen from its front.
     pub triangles: Vec<[u32; 3]>,
-    /// One material id a triangle, or empty: no materials.
+    /// The material id of each triangle; empty where the mesh has no materials.
     pub material_ids: Vec<u32>,
 }
 
-/// Positions for serde, with numbers that formats for humans lack.
+/// How serde writes and reads the positions of a mesh: with the numbers that formats for humans, such as JSON, lack.
 #[cfg(feature = "serde")]
 mod positions {
     use leafwalk_core::numbers::Number;
@@ -65,12 +65,12 @@ pub struct MeshRef<'a> {
 }
 
 impl<'a> MeshRef<'a> {
-    /// A mesh without materials; see the fields of [`Mesh`].
+    /// Borrows a mesh without materials: the fields of [`Mesh`] say what positions and triangles are.
     pub fn new(positions: &'a [[f32; 3]], triangles: &'a [[u32; 3]]) -> Self {
         Self { positions, triangles, material_ids: &[] }
     }
 
-    /// The same mesh with one material id a triangle.
+    /// Returns this mesh with materials instead of those that it had: `material_ids` holds one id for each triangle.
     #[must_use]
     pub fn with_material_ids(self, material_ids: &'a [u32]) -> Self {
         Self { material_ids, ..self }
@@ -88,7 +88,7 @@ impl<'a> MeshRef<'a> {
     /// began.
     ///
     /// # Panics
-    /// As [`MeshRef::corners`]; so it does for [`Hit::MISS`].
+    /// When the hit is [`Hit::MISS`], or its triangle or one of that triangle's indices is out of range.
     pub fn position(&self, hit: &Hit) -> [f32; 3] {
         hit.position(&self.corners(hit.primitive as usize)).map(|c| c as f32)
     }
@@ -97,7 +97,7 @@ impl<'a> MeshRef<'a> {
     /// without area.
     ///
     /// # Panics
-    /// As [`MeshRef::corners`].
+    /// When the triangle or one of its indices is out of range.
     pub fn normal(&self, primitive: usize) -> [f32; 3] {
         geometric_normal(&self.corners(primitive))
     }
@@ -105,7 +105,7 @@ impl<'a> MeshRef<'a> {
     /// Whether a ray of this direction hit the front of the triangle, from which its corners stand counter-clockwise.
     ///
     /// # Panics
-    /// As [`MeshRef::corners`]; so it does for [`Hit::MISS`].
+    /// When the hit is [`Hit::MISS`], or its triangle or one of that triangle's indices is out of range.
     pub fn front(&self, hit: &Hit, direction: [f32; 3]) -> bool {
         Hit::front(&self.corners(hit.primitive as usize), direction)
     }
@@ -118,39 +118,39 @@ impl<'a> From<&'a Mesh> for MeshRef<'a> {
 }
 
 impl Mesh {
-    /// A mesh without materials.
+    /// Makes a mesh without materials.
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         Self { positions, triangles, material_ids: Vec::new() }
     }
 
-    /// As [`MeshRef::corners`].
+    /// The three corners of a triangle, in the caller's units, as [`MeshRef::corners`] gives them.
     ///
     /// # Panics
-    /// As [`MeshRef::corners`].
+    /// When [`MeshRef::corners`] does.
     pub fn corners(&self, primitive: usize) -> [[f32; 3]; 3] {
         MeshRef::from(self).corners(primitive)
     }
 
-    /// As [`MeshRef::position`].
+    /// The point that was hit, in the caller's units, as [`MeshRef::position`] gives it.
     ///
     /// # Panics
-    /// As [`MeshRef::corners`]; so it does for [`Hit::MISS`].
+    /// When [`MeshRef::position`] does.
     pub fn position(&self, hit: &Hit) -> [f32; 3] {
         MeshRef::from(self).position(hit)
     }
 
-    /// As [`MeshRef::normal`].
+    /// The unit normal of a triangle, as [`MeshRef::normal`] gives it.
     ///
     /// # Panics
-    /// As [`MeshRef::corners`].
+    /// When [`MeshRef::normal`] does.
     pub fn normal(&self, primitive: usize) -> [f32; 3] {
         MeshRef::from(self).normal(primitive)
     }
 
-    /// As [`MeshRef::front`].
+    /// Whether a ray of this direction hit the front of the triangle, as [`MeshRef::front`] tells it.
     ///
     /// # Panics
-    /// As [`MeshRef::corners`]; so it does for [`Hit::MISS`].
+    /// When [`MeshRef::front`] does.
     pub fn front(&self, hit: &Hit, direction: [f32; 3]) -> bool {
         MeshRef::from(self).front(hit, direction)
     }

@@ -6,20 +6,22 @@ use leafwalk_core::layout::MAX_LEVEL;
 use super::error::BuildError;
 use super::normalise::NonFinite;
 
-/// Cost of a step over the cost of a triangle test, for descents. Measured on four scenes
+/// What the builder takes a ray's step into a cell to cost, in triangle tests, where rays descend. Measured on four scenes
 /// (docs/choices.md, "Leaves of up to about 192 triangles").
 const STEP_COST: f32 = 192.0;
-/// The same for walks.
+/// What the builder takes a step to cost, in triangle tests, where rays walk from leaf to leaf: such rays are faster with
+/// smaller leaves.
 pub(super) const WALK_STEP_COST: f32 = 64.0;
-/// A step that costs less than half a triangle test would split leaves of one triangle.
+/// The least step cost that a builder accepts: below half a triangle test, leaves of one triangle would be split.
 const LEAST_STEP_COST: f32 = 0.5;
-/// References that a build may make for each triangle.
+/// How many references a build may make for each triangle of the mesh, unless it is told another number.
 const BUDGET: f32 = 8.0;
-/// Each triangle is listed once at least.
+/// The least number of references for each triangle that a builder accepts: each triangle is listed once at least.
 const LEAST_BUDGET: f32 = 1.0;
-/// References that even a mesh of one triangle may make.
+/// How many references a build may make in all, however few triangles the mesh has.
 const LEAST_REFERENCES: usize = 4096;
-/// Half of the machines that a build is meant for have more.
+/// How many bytes a build may use, unless it is told another number. Half of the machines that a build is meant for have
+/// more.
 const MEMORY_LIMIT: u64 = 16 << 30;
 
 /// Clauses of the numeric contract that a test may have broken, to prove that it would notice.
@@ -43,7 +45,7 @@ pub enum Spoiled {
 pub(crate) struct Settings {
     pub(super) step_cost: f32,
     pub(super) max_level: u32,
-    /// References for each triangle of the mesh.
+    /// How many references a build may make for each triangle of the mesh.
     pub(super) budget: f32,
     pub(super) memory_limit: u64,
     pub(super) non_finite: NonFinite,
