@@ -38,7 +38,9 @@
 //!
 //! Every backend is a [`Tracer`] of batches: [`CpuTracer`] and, with the feature `gpu`, `gpu::GpuTracer`. Octrees are
 //! kept in files by [`save_octree`] and [`load_octree`]; with the feature `mesh-files`, `load_mesh` reads OBJ, PLY and
-//! STL files.
+//! STL files. With the feature `serde`, [`Mesh`], [`Stats`], [`Aabb`], [`Hit`] and [`Ray`] are written and read by serde
+//! without the loss of a bit. The feature `cli`, a default, is for the command `leafwalk` alone: a library that depends on
+//! this one leaves it out by `default-features = false`.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
