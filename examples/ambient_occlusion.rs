@@ -31,9 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // One ray of many, from somewhere on the front of a triangle.
     let ray = |k: usize| {
         let primitive = k / RAYS_PER_TRIANGLE;
-        let corners = mesh.corners(primitive);
-        let [a, b, c] = corners.map(Vec3::from);
-        let normal = (b - a).cross(c - a).as_dvec3().normalize_or_zero();
+        let normal = Vec3::from(mesh.normal(primitive)).as_dvec3();
         let [u, v, height, turn] = (STRIDES * k as f64).fract().to_array();
         // Half of the square of all (u, v) is the triangle; the other half is turned onto it.
         let [u, v] = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] }.map(|weight| weight as f32);
@@ -42,7 +40,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (radius, angle) = (2.0 * (height - height * height).sqrt(), TAU * turn);
         let around = DVec3::new(radius * angle.cos(), radius * angle.sin(), 1.0 - 2.0 * height);
         let direction = (normal + around).normalize_or_zero().as_vec3();
-        Ray { t_max: (REACH * frame.scale()) as f32, ..point.spawn(&frame, &corners, direction.to_array()) }
+        Ray {
+            t_max: (REACH * frame.scale()) as f32,
+            ..point.spawn(&frame, &mesh.corners(primitive), direction.to_array())
+        }
     };
 
     // For each vertex, how many rays its triangles sent, and how many of them were free.

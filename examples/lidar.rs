@@ -50,15 +50,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let rays: Vec<Ray> = (0..SHOTS).flat_map(shot).collect();
         tracer.closest_hits(&rays, &mut hits)?;
         for (ray, hit) in rays.iter().zip(&hits).filter(|(_, hit)| !hit.is_miss()) {
-            let direction = Vec3::from(ray.direction);
-            let [a, b, c] = mesh.corners(hit.primitive as usize).map(Vec3::from);
+            let normal = Vec3::from(mesh.normal(hit.primitive as usize));
             // A matt surface returns the more light the more it faces the laser.
-            let intensity = (b - a).cross(c - a).normalize_or_zero().dot(direction).abs();
+            let intensity = normal.dot(ray.direction.into()).abs();
             if intensity < LEAST_INTENSITY {
                 lost += 1;
                 continue;
             }
-            points.push((Vec3::from(ray.origin) + hit.t * direction, intensity));
+            points.push((mesh.position(hit), intensity));
         }
     }
 
@@ -68,8 +67,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         writeln!(file, "property float {property}")?;
     }
     writeln!(file, "end_header")?;
-    for (point, intensity) in &points {
-        writeln!(file, "{} {} {} {intensity}", point.x, point.y, point.z)?;
+    for ([x, y, z], intensity) in &points {
+        writeln!(file, "{x} {y} {z} {intensity}")?;
     }
     file.flush()?;
     let shots = REVOLUTIONS * SHOTS * LASERS;

@@ -35,12 +35,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         while mirrors < MOST_MIRRORS
             && let Some(hit) = tracer.closest_hit(&ray)
         {
-            let corners = mesh.corners(hit.primitive as usize);
-            let [a, b, c] = corners.map(Vec3::from);
-            let normal = (b - a).cross(c - a).normalize_or_zero();
-            let reflected = Vec3::from(ray.direction).reflect(normal);
+            let primitive = hit.primitive as usize;
+            let reflected = Vec3::from(ray.direction).reflect(mesh.normal(primitive).into());
             // It starts a little off the triangle, on the side that it leads to, and so does not hit the triangle again.
-            ray = hit.spawn(&frame, &corners, reflected.to_array());
+            ray = hit.spawn(&frame, &mesh.corners(primitive), reflected.to_array());
             mirrors += 1;
             length += f64::from(hit.t);
         }

@@ -48,8 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         if hit.is_miss() {
             return ' ';
         }
-        let [a, b, c] = mesh.corners(hit.primitive as usize).map(Vec3::from);
-        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let normal = Vec3::from(mesh.normal(hit.primitive as usize));
         let facing = normal.dot(Vec3::from(ray.direction).normalize()).abs();
         SHADES[(facing * (SHADES.len() - 1) as f32).round() as usize].into()
     };
