@@ -70,19 +70,28 @@ impl<L: Eight> Interleaved<L> {
             return;
         };
         while packet.waiting() != 0 {
-            let (index, probe) = packet.take();
             if self.is_free {
-                let slot = &mut self.slots[self.turn];
-                (slot.index, slot.probe, slot.child) = (index, probe, ROOT);
-                slot.stack.clear();
                 self.is_free = false;
+                let slot = &mut self.slots[self.turn];
+                (slot.index, slot.probe) = packet.take();
+                slot.child = ROOT;
+                slot.stack.clear();
             } else {
-                self.slots.push(Slot { probe, index, child: ROOT, stack: Stack::new() });
+                self.add(packet);
             }
             if self.slots.len() == SLOTS {
                 self.trace::<B, Q>(bvh, answers);
             }
         }
+    }
+
+    /// Adds a slot, in which the next ray of a packet starts. That is rare, and kept out of the code around it.
+    #[inline(never)]
+    fn add(&mut self, packet: &mut Packet) {
+        // Room for all: a slot is two kilobytes, too many to be moved as the list grows.
+        self.slots.reserve_exact(SLOTS - self.slots.len());
+        let (index, probe) = packet.take();
+        self.slots.push(Slot { probe, index, child: ROOT, stack: Stack::new() });
     }
 
     /// Lets the rays take turns until one ends, and answers it.
