@@ -162,12 +162,18 @@ fn beams_too_narrow() {
     let every = Every::<f32>::of(&octree);
     let (centre, size) = extent(&mesh);
     for (shares, seed) in Shared::ALL.into_iter().zip(66..) {
+        // By how much beams are too narrow, in lattice units: so much that hundreds of the rays, or dozens at least, are at
+        // the rim that is cut off. Runs that share an end or eights have many there, the others few.
+        let cut = match shares {
+            Shared::End | Shared::Eights => 1e-3,
+            Shared::Origin | Shared::Nothing => 1e-2,
+        };
         let source = |random: &mut Random| rays::coherent(shares, &mesh, centre, size, random);
         let check =
             |tracer: &CpuTracer<&[u32]>| differences(&[("batches", tracer)], &every, &source, scaled(RAYS), seed);
         for tracer in [CpuTracer::new(octree.view()), testing::portable(CpuTracer::new(octree.view()))] {
             check(&tracer).passes(&format!("whole beams, runs that share {shares:?}"), 0.1);
-            check(&testing::with_beam_margin(tracer, -1e-3))
+            check(&testing::with_beam_margin(tracer, -cut))
                 .catches(&format!("beams too narrow, runs that share {shares:?}"));
         }
     }
