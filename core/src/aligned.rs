@@ -7,7 +7,7 @@
 /// use leafwalk_core::{AlignedBytes, Octree, Ray};
 ///
 /// static FILE: &AlignedBytes<[u8]> =
-///     &AlignedBytes { bytes: *include_bytes!("../../tests/format/version_1/levels.lwk") };
+///     &AlignedBytes { bytes: *include_bytes!("../../tests/format/version_2/levels.lwk") };
 ///
 /// let octree = Octree::from_bytes(&FILE.bytes)?;
 /// assert!(octree.closest_hit(&Ray::new([9.0; 3], [1.0, 0.0, 0.0])).is_none());

@@ -17,7 +17,7 @@ pub enum Blocks<'a> {
 pub struct Indexed<'a> {
     /// The blocks, which hold no corners.
     pub blocks: &'a [IndexedBlock],
-    /// The corners, in lattice units.
+    /// The corners, in lattice coordinates.
     pub vertices: &'a [[f32; 3]],
 }
 

@@ -1,14 +1,24 @@
-//! The lattice frame: the caller's units on one side, the unit root cube on the other.
+//! The lattice frame: the caller's units on one side, lattice coordinates on the other.
+//!
+//! Lattice coordinates count steps of the finest cells from an *anchor*. The anchor is chosen such that no vertex of f32
+//! is rounded on the way (docs/contract.md, "Frame").
 
 use crate::contract::{MESH_MARGIN, SMALLEST};
+use crate::layout::{LATTICE, MAX_LEVEL};
 use crate::unroll;
 
-/// `caller = origin + 2^scale_exponent * lattice`; the root cube is 0..1 on every lattice axis.
+/// The root's edge in lattice steps.
+const EDGE: f32 = LATTICE as f32;
+
+/// `caller = anchor + 2^(scale_exponent - 16) * lattice`; the root cube begins at `corner` on the lattice, and its edge is
+/// 2^16 steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// The root's lower corner in the caller's units.
-    pub origin: [f64; 3],
-    /// The root's edge is 2 to this power.
+    /// Where lattice coordinates are 0, in the caller's units.
+    pub anchor: [f64; 3],
+    /// The root's lower corner: whole lattice steps.
+    pub corner: [f32; 3],
+    /// The root's edge is 2 to this power, in the caller's units.
     pub scale_exponent: i32,
 }
 
@@ -16,27 +26,30 @@ impl Frame {
     /// Exponents that meshes of finite f32 positions can need.
     pub const SCALE_EXPONENTS: core::ops::RangeInclusive<i32> = -149..=131;
 
-    /// The smallest frame that keeps the box `lower..=upper` (finite, in the caller's units) inside the root by the
-    /// mesh margin of 2^-17 on every side, after rounding.
-    pub fn around(lower: [f32; 3], upper: [f32; 3]) -> Self {
+    /// The smallest frame that keeps the box `lower..=upper` (finite, in the caller's units) inside the root by the mesh
+    /// margin of 2^-17 of its edge on every side.
+    pub fn around(lower: [f64; 3], upper: [f64; 3]) -> Self {
         Self::around_with_margin(lower, upper, MESH_MARGIN)
     }
 
     /// See [`crate::testing::frame_touching`].
-    pub(crate) fn around_with_margin(lower: [f32; 3], upper: [f32; 3], margin: f32) -> Self {
-        let extent = (0..3).map(|k| f64::from(upper[k]) - f64::from(lower[k])).fold(0.0, f64::max);
+    pub(crate) fn around_with_margin(lower: [f64; 3], upper: [f64; 3], margin: f32) -> Self {
+        let extent = (0..3).map(|k| upper[k] - lower[k]).fold(0.0, f64::max);
         let mut scale_exponent = if extent > 0.0 { exponent(extent) } else { 0 };
         scale_exponent = scale_exponent.max(*Self::SCALE_EXPONENTS.start());
+        let mut frame =
+            Self { anchor: core::array::from_fn(|k| anchor(lower[k], upper[k])), corner: [0.0; 3], scale_exponent };
         loop {
-            let half = power_of_two(scale_exponent - 1);
-            let centre = |k: usize| 0.5 * (f64::from(lower[k]) + f64::from(upper[k]));
-            let frame = Self { origin: core::array::from_fn(|k| centre(k) - half), scale_exponent };
             let (low, high) = (frame.to_lattice(lower), frame.to_lattice(upper));
-            if low.iter().all(|c| *c >= margin) && high.iter().all(|c| *c <= 1.0 - margin) {
+            frame.corner = core::array::from_fn(|k| {
+                let middle = 0.5 * (f64::from(low[k]) + f64::from(high[k]));
+                nearest_whole(middle - 0.5 * f64::from(EDGE))
+            });
+            let (low, high) = (frame.to_root(low), frame.to_root(high));
+            if low.iter().all(|c| *c >= margin) && high.iter().all(|c| *c <= EDGE - margin) {
                 return frame;
             }
-            // A box of no extent far away: its lattice coordinates are all one half, so this ends at once.
-            scale_exponent += 1;
+            frame.scale_exponent += 1;
         }
     }
 
@@ -45,17 +58,58 @@ impl Frame {
         power_of_two(self.scale_exponent)
     }
 
-    /// A point in lattice units, rounded once; magnitudes under 2^-60 become 0.
+    /// A lattice step in the caller's units: 2 to this power.
+    pub(crate) fn step_exponent(&self) -> i32 {
+        self.scale_exponent - MAX_LEVEL as i32
+    }
+
+    /// A point in lattice coordinates. They are exact for the vertices of a mesh of f32 that the frame was made around,
+    /// but for magnitudes under 2^-60, which become 0; other points are rounded once.
     #[inline(always)]
-    pub fn to_lattice(&self, point: [f32; 3]) -> [f32; 3] {
-        let inverse = power_of_two(-self.scale_exponent);
-        unroll!(k in 0..3 => flush(((f64::from(point[k]) - self.origin[k]) * inverse) as f32, SMALLEST))
+    pub fn to_lattice(&self, point: [f64; 3]) -> [f32; 3] {
+        let per_unit = power_of_two(-self.step_exponent());
+        unroll!(k in 0..3 => flush(((point[k] - self.anchor[k]) * per_unit) as f32, SMALLEST))
+    }
+
+    /// Where a lattice point lies as seen from the root's corner, rounded once: 0 to 2^16 inside the root.
+    #[inline(always)]
+    pub fn to_root(&self, point: [f32; 3]) -> [f32; 3] {
+        unroll!(k in 0..3 => point[k] - self.corner[k])
     }
 
     /// A lattice point in the caller's units.
     pub fn to_caller(&self, point: [f32; 3]) -> [f64; 3] {
-        core::array::from_fn(|k| self.origin[k] + self.scale() * f64::from(point[k]))
+        let step = power_of_two(self.step_exponent());
+        core::array::from_fn(|k| self.anchor[k] + step * f64::from(point[k]))
     }
+}
+
+/// A number from which the distances to all numbers of f32 in an interval are numbers of f32, or of f64 for f64.
+///
+/// That is 0 where the interval holds 0, or ends at more than twice its beginning: then no distance is larger than twice
+/// the interval is long. Else it is a number of the interval, since the difference of two numbers within a factor of two
+/// of each other is exact (P. H. Sterbenz, "Floating-Point Computation", 1974): the roundest of them, so that distances
+/// to most points outside are exact, too.
+fn anchor(lower: f64, upper: f64) -> f64 {
+    let (near, far) = if lower > 0.0 { (lower, upper) } else { (-upper, -lower) };
+    if near <= 0.0 || far > 2.0 * near {
+        return 0.0;
+    }
+    // Of positive numbers the bits are ordered as the numbers are. Up to the highest bit in which the ends differ, the
+    // bits of the far end are those of the roundest number.
+    let differing = near.to_bits() ^ far.to_bits();
+    let kept = match differing {
+        0 => u64::MAX,
+        _ => u64::MAX << (u64::BITS - 1 - differing.leading_zeros()),
+    };
+    f64::from_bits(far.to_bits() & kept).copysign(lower)
+}
+
+/// The whole number nearest to a number within four root edges of 0.
+fn nearest_whole(x: f64) -> f32 {
+    // Casts round toward zero, so what they see is made positive.
+    let bias = 4.0 * f64::from(EDGE);
+    ((x + (bias + 0.5)) as u32 as f64 - bias) as f32
 }
 
 /// `x`, or 0 where its magnitude is under `smallest`: neither subnormals nor the sign of zero carry meaning.
@@ -74,4 +128,64 @@ pub(crate) fn power_of_two(exponent: i32) -> f64 {
 /// The exponent of a positive normal number: `2^e <= x < 2^(e+1)`.
 pub(crate) fn exponent(x: f64) -> i32 {
     (x.to_bits() >> 52) as i32 - 1023
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn anchors_are_round_and_inside() {
+        for (lower, upper, expected) in [
+            (-1.0, 3.0, 0.0),
+            (0.0, 3.0, 0.0),
+            (1.0, 2.5, 0.0),
+            (1.0, 2.0, 2.0),
+            (100.25, 101.0, 101.0),
+            (100.25, 101.5, 101.0),
+            (999_900.0, 1_000_100.0, 999_936.0),
+            (-101.5, -100.25, -101.0),
+            (0.1, 0.1, 0.1),
+            (1e-42, 1.5e-42, 1.434_929_6e-42),
+        ] {
+            let found = anchor(f64::from(lower as f32), f64::from(upper as f32));
+            assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{found} for {lower} to {upper}");
+            assert!(found == 0.0 || (f64::from(lower as f32)..=f64::from(upper as f32)).contains(&found));
+            assert_eq!(f64::from(found as f32), found, "a number of f32");
+        }
+    }
+
+    #[test]
+    fn vertices_are_exact() {
+        let ends: [[f32; 2]; 9] = [
+            [-1.0, 1.0],
+            [1e-3, 7.0],
+            [1.0, 1.5],
+            [999.1, 1000.3],
+            [-2e30, -1.5e30],
+            [1e-42, 1.5e-42],
+            [5.0, 5.0],
+            [2e38, 2.2e38],
+            [-3.4e38, 3.4e38],
+        ];
+        for axis in ends {
+            for other in ends {
+                let [lower, upper] = [0, 1].map(|end: usize| [axis[end], other[end], -axis[1 - end]]);
+                let frame = Frame::around(lower.map(f64::from), upper.map(f64::from));
+                let between = |k: usize| 0.3 * lower[k] + 0.7 * upper[k];
+                for point in [lower, upper, [0, 1, 2].map(between)] {
+                    let lattice = frame.to_lattice(point.map(f64::from));
+                    let back = frame.to_caller(lattice);
+                    for k in 0..3 {
+                        let is_tiny = lattice[k] == 0.0;
+                        let slack = if is_tiny { f64::from(SMALLEST) * frame.scale() / f64::from(EDGE) } else { 0.0 };
+                        assert!((back[k] - f64::from(point[k])).abs() <= slack, "{point:?} {frame:?}");
+                    }
+                    assert!(frame.to_root(lattice).iter().all(|c| (MESH_MARGIN..=EDGE - MESH_MARGIN).contains(c)));
+                    assert!(lattice.iter().all(|c| c.abs() < 2.0 * EDGE));
+                }
+                assert!(frame.corner.iter().all(|c| c.abs() <= 2.0 * EDGE && *c as i32 as f32 == *c));
+            }
+        }
+    }
 }

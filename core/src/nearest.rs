@@ -1,7 +1,9 @@
 //! The hit that counts among all that a tracer finds, in whatever order.
 
+use crate::clock::Clock;
+use crate::contract::ROUNDOFF;
 use crate::lanes::{Bits, Lanes};
-use crate::ray::{CanonicalRay, Clock, Hit};
+use crate::ray::{CanonicalRay, Hit};
 
 /// The nearest hit so far: smallest t', then smallest primitive; or the ray's own limit. One ray a lane.
 #[derive(Clone, Copy, Debug)]
@@ -62,9 +64,41 @@ impl Nearest {
     #[inline]
     pub fn hit(&self, clock: &Clock) -> Hit {
         if self.is_hit() {
-            Hit { t: clock.reported(self.t), u: self.u, v: self.v, primitive: self.primitive }
+            Hit {
+                t: clock.reported(self.t),
+                u: self.u,
+                v: weight_of_vertex_2(self.u, self.v),
+                primitive: self.primitive,
+            }
         } else {
             Hit::MISS
+        }
+    }
+}
+
+/// The weight of vertex 2 as it is reported: where rounding has brought the sum of two weights above 1, it is lowered, so
+/// that `u + v <= 1` holds without any rounding.
+#[inline(always)]
+pub fn weight_of_vertex_2<L: Lanes>(u: L, v: L) -> L {
+    let one = L::splat(1.0);
+    // Rounded to a multiple of a roundoff, or exact. What is left of 1 is exact, and shows whether it was rounded up.
+    let rest = one - u;
+    let rest = rest.or_else(u.at_most(one - rest), rest - L::splat(ROUNDOFF));
+    v.min(rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_never_add_up_to_more_than_1() {
+        for bits in (0..0x3f80_0000).step_by(997).chain([0, 1, 0x3f00_0000, 0x3eff_ffff, 0x3f80_0000]) {
+            let u = f32::from_bits(bits);
+            let v = weight_of_vertex_2(u, 1.0);
+            assert!(f64::from(u) + f64::from(v) <= 1.0, "{u} + {v}");
+            assert!(f64::from(u) + f64::from(v) > 1.0 - 2.0 * f64::from(ROUNDOFF), "{u} + {v}");
+            assert_eq!(weight_of_vertex_2(u, 0.25 * (1.0 - u)), 0.25 * (1.0 - u));
         }
     }
 }

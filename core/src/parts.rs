@@ -4,7 +4,7 @@ use crate::aabb::Aabb;
 use crate::blocks::{Blocks, Indexed};
 use crate::error::DecodeError;
 use crate::frame::Frame;
-use crate::layout::{BvhNode, Key, LATTICE_STEP, LatticeBox, Payload, Record, Section, Triangle};
+use crate::layout::{BvhNode, Key, LatticeBox, Payload, Record, Section, Triangle};
 use crate::wire::{Header, Spans};
 
 /// The sections of an octree as slices.
@@ -42,9 +42,10 @@ impl<'a> Parts<'a> {
             rounding: 0.0,
             step_cost: 0.0,
             max_level: 0,
-            origin: [0; 6],
+            anchor: [0; 6],
+            corner: [0; 3],
         },
-        frame: Frame { origin: [0.0; 3], scale_exponent: 0 },
+        frame: Frame { anchor: [0.0; 3], corner: [0.0; 3], scale_exponent: 0 },
         records: &[],
         keys: &[],
         payloads: &[],
@@ -106,8 +107,10 @@ impl<'a> Parts<'a> {
         let Some(LatticeBox { lower, upper }) = self.bvh.first().map(BvhNode::hull) else {
             return Aabb { lower: [f64::INFINITY; 3], upper: [f64::NEG_INFINITY; 3] };
         };
-        let at =
-            |steps: [u16; 3], end: f32| self.frame.to_caller(steps.map(|step| (f32::from(step) + end) * LATTICE_STEP));
+        let at = |steps: [u16; 3], end: f32| {
+            let corner = self.frame.corner;
+            self.frame.to_caller(core::array::from_fn(|k| corner[k] + (f32::from(steps[k]) + end)))
+        };
         Aabb { lower: at(lower, 0.0), upper: at(upper, 1.0) }
     }
 }

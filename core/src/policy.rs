@@ -12,6 +12,8 @@ pub trait Policy: Copy {
     const DILATES_ROOT: bool = true;
     /// `t_min` of a moved ray is clamped to its new origin.
     const CLAMPS_T_MIN: bool = false;
+    /// Limits of moved rays are rounded to t', instead of being where the reported t crosses them.
+    const ROUNDS_LIMITS: bool = false;
     /// Hits are ordered by the t that is reported.
     const ORDERS_BY_REPORTED: bool = false;
     /// The mesh keeps its margin inside the root; only files that break the contract lack it.

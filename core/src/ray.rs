@@ -2,6 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::clock::Clock;
+
 /// A ray in the caller's units: the points `origin + t * direction` with `t_min < t < t_max`.
 ///
 /// The direction needs no unit length; `t` counts in multiples of it. A ray is *invalid*, and misses, when any
@@ -97,13 +99,15 @@ pub fn hit_hash(hits: &[Hit]) -> u64 {
     words.flat_map(u32::to_le_bytes).fold(OFFSET_BASIS, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
 }
 
-/// A ray in lattice units, rescaled so that every backend sees the same numbers; made by [`crate::Frame::canonical`].
+/// A ray on the lattice, rescaled so that every backend sees the same numbers; made by [`crate::Frame::canonical`].
 ///
 /// The largest direction component lies in 1..2 and those under 2^-40 are 0. Distances along it are written t'.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CanonicalRay {
-    /// In lattice units, within one root edge of the root cube.
+    /// In lattice coordinates, within one root edge of the root cube: what triangles are tested from.
     pub origin: [f32; 3],
+    /// The origin as seen from the root's corner, rounded once: what cells and boxes are met from.
+    pub within: [f32; 3],
     /// Hits count for t' strictly above it.
     pub t_min: f32,
     /// Scaled by a power of two.
@@ -112,22 +116,4 @@ pub struct CanonicalRay {
     pub t_max: f32,
     /// From t' to the caller's t.
     pub clock: Clock,
-}
-
-/// How t' of a canonical ray becomes the caller's t, for reporting only: it decides nothing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clock {
-    /// t' of the canonical origin, counted from the caller's: not 0 when a far origin was moved.
-    pub entry: f64,
-    /// One unit of t' in the caller's t: a power of two.
-    pub unit: f64,
-}
-
-impl Clock {
-    /// The caller's t of a canonical distance.
-    #[inline]
-    pub fn reported(&self, t: f32) -> f32 {
-        // Finite stays finite, since only a miss reports infinity.
-        (((self.entry + f64::from(t)) * self.unit) as f32).clamp(f32::MIN, f32::MAX)
-    }
 }

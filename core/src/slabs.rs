@@ -2,11 +2,7 @@
 
 use crate::contract::BOX_MARGIN;
 use crate::lanes::Lanes;
-use crate::layout::LATTICE;
 use crate::unroll;
-
-/// The box margin in lattice steps.
-const MARGIN: f32 = BOX_MARGIN * LATTICE as f32;
 
 /// A ray's distances to planes: t' of a side in step n is `n * inverse + lower`, or `+ upper`, per axis.
 #[derive(Clone, Copy, Debug)]
@@ -20,10 +16,11 @@ pub struct Slabs<L> {
 }
 
 impl<L: Lanes> Slabs<L> {
-    /// The slabs of rays, given origins and inverse directions in lattice steps; see [`crate::step::Line::inverse`].
+    /// The slabs of rays, given origins as seen from the root's corner, and inverse directions; see
+    /// [`crate::step::Line::inverse`].
     #[inline(always)]
     pub fn new(origin: [L; 3], inverse: [L; 3]) -> Self {
-        let (zero, margin, step) = (L::splat(0.0), L::splat(MARGIN), L::splat(1.0 + MARGIN));
+        let (zero, margin, step) = (L::splat(0.0), L::splat(BOX_MARGIN), L::splat(1.0 + BOX_MARGIN));
         Self {
             inverse,
             // From the step that a side lies in to the plane that counts: its lower end, or its upper one.

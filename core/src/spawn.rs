@@ -3,42 +3,46 @@
 //! Their origin is lifted off the triangle along its normal. How far is derived in `docs/contract.md`, "Spawned rays";
 //! the constants below say it in short.
 
-use crate::contract::ROUNDOFF;
+use crate::contract::{ROUNDOFF, SMALLEST_SHEARED};
 use crate::frame::Frame;
+use crate::layout::LATTICE;
 use crate::normal::{cross, difference, dot, from_first_corner, unit};
 use crate::ray::{Hit, Ray};
 
-/// How far, in root edges, an origin is lifted off its triangle.
+/// How far, in extents of its triangle, an origin is lifted off it.
 ///
-/// A triangle is hit where the ray passes it within 6 roundoffs on two axes (`e2`), at a distance that is wrong by 15 on
-/// the largest of three (`ez`). A ray that leads away from its plane, starting at least sqrt(2) 6 + sqrt(3) 15 above it,
-/// has t' < 0 there. Rounding the corners and the origin to the lattice adds sqrt(3) each: 38 in all, and 50.5 for an
-/// origin that the lift has brought out of the root. Another 3 are for the normal (`SLENDER`) and for corners that were
-/// themselves rounded from the lattice.
-const LIFT_IN_ROOT_EDGES: f64 = 64.0 * ROUNDOFF as f64;
+/// Where an origin lies on a triangle, all of the triangle is at most its extent E away, the largest along any axis. So it
+/// is hit where the ray passes it within 6 roundoffs of E on two axes (`e2`), at a distance that is wrong by 21 on the
+/// largest of three (`ez`). A ray that leads away from its plane, starting at least sqrt(2) 6 + sqrt(3) 21 = 45 above it,
+/// has t' < 0 there. The others are for the normal (`SLENDER`) and for the second order.
+const LIFT_IN_EXTENTS: f64 = 56.0 * ROUNDOFF as f64;
 /// How far an origin is lifted besides, in magnitudes of its largest coordinate.
 ///
-/// The origin is rounded to f32 in the caller's units, and the corners may have been: sqrt(3) roundoffs each, 3.5 in all.
-const LIFT_IN_COORDINATES: f64 = 4.0 * ROUNDOFF as f64;
+/// The origin is rounded to f32 in the caller's units: sqrt(3) roundoffs.
+const LIFT_IN_COORDINATES: f64 = 2.0 * ROUNDOFF as f64;
+/// How far an origin is lifted besides, in root edges: coordinates across the ray that are smaller than this count as 0.
+/// Only triangles under 2^-34 of the root's edge are lifted more by it than by their extent.
+const LIFT_IN_ROOT_EDGES: f64 = 4.0 * SMALLEST_SHEARED as f64 / LATTICE as f64;
 /// How far an origin is lifted at least, in the caller's units: twice the smallest subnormal number of f32.
 ///
-/// Where f32 has subnormal numbers only, rounding moves a coordinate by half the smallest of them: sqrt(3) times that for
-/// the origin, and as much for the corners.
+/// Where f32 has subnormal numbers only, rounding moves a coordinate by half the smallest of them.
 const LEAST_LIFT: f64 = 2.0 * f32::from_bits(1) as f64;
 /// A triangle whose height over its longest edge is at most this share of that edge counts as a segment.
 ///
 /// In f64 the normal of a triangle of the longest edge L and the height h is off by 5 * 2^-53 L^2, so its direction by
 /// 5 * 2^-53 L / h. With h above 2^-26 L, points of the triangle seem to leave its plane by 5 * 2^-27 L at most. Those of
-/// a triangle that is less high leave the line of its longest edge by 2^-26 L at most. L is sqrt(3) root edges at most,
-/// so either is a roundoff of the root's edge or less.
+/// a triangle that is less high leave the line of its longest edge by 2^-26 L at most. L is sqrt(3) extents at most, so
+/// either is 1.1 roundoffs of the extent or less.
 const SLENDER: f64 = 1.0 / (1 << 26) as f64;
 
 impl Frame {
-    /// How far off a triangle, along its normal, a ray has to start at this point, in the caller's units, so that it
+    /// How far off a triangle, along its normal, a ray has to start at this point of it, in the caller's units, so that it
     /// cannot hit that triangle while it leads away from it or along it.
-    pub fn clearance(&self, point: [f64; 3]) -> f64 {
-        let largest = point.iter().fold(0.0, |largest: f64, c| largest.max(c.abs()));
-        LIFT_IN_ROOT_EDGES * self.scale() + LIFT_IN_COORDINATES * largest + LEAST_LIFT
+    pub fn clearance(&self, corners: &[[f32; 3]; 3], point: [f64; 3]) -> f64 {
+        let largest = |numbers: [f64; 3]| numbers.into_iter().fold(0.0, |largest: f64, c| largest.max(c.abs()));
+        let [_, ab, ac] = from_first_corner(corners);
+        let extent = largest(ab).max(largest(ac)).max(largest(difference(ac, ab)));
+        LIFT_IN_EXTENTS * extent + LIFT_IN_COORDINATES * largest(point) + LIFT_IN_ROOT_EDGES * self.scale() + LEAST_LIFT
     }
 }
 
@@ -61,7 +65,7 @@ impl Hit {
     /// ```
     pub fn spawn(&self, frame: &Frame, corners: &[[f32; 3]; 3], direction: [f32; 3]) -> Ray {
         let point = self.position(corners);
-        self.spawn_lifted(corners, direction, frame.clearance(point))
+        self.spawn_lifted(corners, direction, frame.clearance(corners, point))
     }
 
     /// See [`crate::testing::spawn_lifted`].

@@ -13,9 +13,9 @@ pub const LEAF_SIZES: usize = 10;
 pub struct Stats {
     /// Triangles of the mesh, those dropped included.
     pub primitives: u32,
-    /// Triangles left out because two vertices are equal after rounding.
+    /// Triangles left out because two vertices are equal on the lattice.
     pub dropped: u32,
-    /// Dropped triangles that lost their extent by rounding: detail too small for the scene's extent.
+    /// Dropped triangles that lost their extent on the lattice: detail under 2^-76 of the scene's extent.
     pub collapsed: u32,
     /// Triangles listed, counted once a leaf.
     pub references: u32,

@@ -5,25 +5,24 @@
 //! step and a walk ends whatever the rounding (docs/contract.md, "Step").
 
 use crate::lanes::{Bits, Lanes};
-use crate::layout::{Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_SHIFT, Record};
+use crate::layout::{Key, LINK_COARSER, LINK_FINER, LINK_SHIFT, Record};
 use crate::ray::CanonicalRay;
 use crate::tables::{self, EXIT_AXIS};
 use crate::unroll;
 
-/// Stands for 1 / 0, in lattice steps: any coordinate difference above 2^-40 becomes a distance beyond the root.
-pub const STEEP: f32 = (1u64 << 44) as f32;
-/// Where the exit planes of an axis without direction are seen from, in lattice steps: farther than any other exit.
+/// Stands for 1 / 0: any coordinate difference above 2^-40 becomes a distance beyond the root.
+pub const STEEP: f32 = (1u64 << 60) as f32;
+/// Where the exit planes of an axis without direction are seen from: farther than any other exit.
 pub const FAR_BEHIND: f32 = -((1u64 << 56) as f32);
 
-/// What a step needs to know of a ray. All lengths are in lattice steps: a power of two away from lattice units, so
-/// every sum, product and comparison has the same bits, and cell corners serve as they are.
+/// What a step needs to know of a ray, as seen from the root's corner: so the corners of cells serve as they are.
 #[derive(Clone, Copy, Debug)]
 pub struct Line<L: Lanes> {
     /// Where t' is 0.
     pub origin: [L; 3],
     /// Per unit of t'.
     pub direction: [L; 3],
-    /// 1 / direction, or 2^44 where that is zero: good for conservative box tests as it stands.
+    /// 1 / direction, or 2^60 where that is zero: good for conservative box tests as it stands.
     pub inverse: [L; 3],
     /// The origin, or far behind it where the direction is zero: such planes are never the first exit.
     exit_origin: [L; 3],
@@ -43,12 +42,11 @@ impl<L: Lanes> Line<L> {
     pub fn new(ray: &CanonicalRay) -> Self {
         let d = ray.direction;
         let neg = (0..3).fold(0, |bits, k| bits | u32::from(d[k] < 0.0) << k);
-        let origin = unroll!(k in 0..3 => ray.origin[k] * LATTICE as f32);
-        let direction = unroll!(k in 0..3 => d[k] * LATTICE as f32);
+        let origin = ray.within;
         Self {
             origin: unroll!(k in 0..3 => L::splat(origin[k])),
-            direction: unroll!(k in 0..3 => L::splat(direction[k])),
-            inverse: inverse(unroll!(k in 0..3 => L::splat(direction[k]))),
+            direction: unroll!(k in 0..3 => L::splat(d[k])),
+            inverse: inverse(unroll!(k in 0..3 => L::splat(d[k]))),
             exit_origin: unroll!(k in 0..3 => L::splat(if d[k] == 0.0 { FAR_BEHIND } else { origin[k] })),
             forward: unroll!(k in 0..3 => L::splat(if d[k] < 0.0 { -1.0 } else { 1.0 })),
             neg: L::Bits::splat(neg),
@@ -58,7 +56,7 @@ impl<L: Lanes> Line<L> {
     }
 }
 
-/// 1 / direction, or 2^44 where that is zero.
+/// 1 / direction, or 2^60 where that is zero.
 #[inline(always)]
 pub fn inverse<L: Lanes>(direction: [L; 3]) -> [L; 3] {
     unroll!(k in 0..3 => L::splat(STEEP).or_else(direction[k].equal(L::splat(0.0)), L::splat(1.0) / direction[k]))
@@ -110,9 +108,9 @@ pub struct Exit<L: Lanes> {
     pub axis: [L::Mask; 3],
     /// 2 * axis + positive.
     pub face: L::Bits,
-    /// Distance from the ray's origin to the exit plane along that axis, forward positive, in lattice steps.
+    /// Distance from the ray's origin to the exit plane along that axis, forward positive.
     pub distance: L,
-    /// Magnitude of the direction along that axis, in lattice steps.
+    /// Magnitude of the direction along that axis.
     pub speed: L,
     /// t' of the exit plane where the step computes it, else 0.
     pub t: L,

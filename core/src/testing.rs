@@ -36,6 +36,6 @@ pub fn spawn_lifted(hit: &Hit, corners: &[[f32; 3]; 3], direction: [f32; 3], lif
 }
 
 /// [`Frame::around`] without the margin that the contract demands: the mesh may touch the root's faces.
-pub fn frame_touching(lower: [f32; 3], upper: [f32; 3]) -> Frame {
+pub fn frame_touching(lower: [f64; 3], upper: [f64; 3]) -> Frame {
     Frame::around_with_margin(lower, upper, 0.0)
 }

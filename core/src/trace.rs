@@ -118,7 +118,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
                 }
             }
             let exit = S::exit(&line, &cell);
-            let margin = if P::STOP_MARGIN { PADDING * LATTICE as f32 } else { 0.0 };
+            let margin = if P::STOP_MARGIN { PADDING } else { 0.0 };
             let is_done = search.nearest.t * exit.speed < exit.distance - margin;
             if is_done || link_kind::<f32>(head.0, exit.face) == LINK_NONE {
                 return search;
@@ -129,7 +129,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         }
     }
 
-    /// The leaf that holds a point of the root (in lattice steps), on the ray's side where the point lies on a face.
+    /// The leaf that holds a point of the root (as seen from its corner), on the ray's side where the point lies on a face.
     fn locate(&self, point: [f32; 3], line: &Line<f32>) -> (u32, Cell<f32>) {
         let corner: [u32; 3] = core::array::from_fn(|k| {
             let whole = (point[k] as u32).min(LATTICE - 1);
@@ -181,11 +181,11 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
     }
 }
 
-/// Where a walk starts, in lattice steps: clamped to the root, a little before `t_min`. `None`: the ray passes the root
+/// Where a walk starts, as seen from the root's corner: clamped to the root, a little before `t_min`. `None`: the ray passes the root
 /// by, or ends first.
 fn start<P: Policy>(line: &Line<f32>, ray: &CanonicalRay) -> Option<[f32; 3]> {
     let edge = LATTICE as f32;
-    let margin = if P::DILATES_ROOT { PADDING * edge } else { 0.0 };
+    let margin = if P::DILATES_ROOT { PADDING } else { 0.0 };
     let (mut first, mut last) = (ray.t_min - START_MARGIN, ray.t_max);
     for k in 0..3 {
         let a = (-margin - line.origin[k]) * line.inverse[k];
@@ -243,7 +243,7 @@ impl Search<'_> {
         }
         for (lane, is_candidate) in is_candidate.into_iter().enumerate() {
             if is_candidate {
-                let (accepted, found) = Sheared::new(shear, corners(lane)).finish(shear);
+                let (accepted, found) = Sheared::new(shear, corners(lane)).finish(shear, &corners(lane));
                 if accepted {
                     self.offer::<P>(found, block.primitives[lane]);
                 }

@@ -3,15 +3,21 @@
 //! Corners come permuted: axis 2 is the one along which the ray's direction is largest. A loader picks arrays in that
 //! order for nothing, so the test itself never moves data.
 
-use crate::contract::{SMALLEST, SMALLEST_SHEARED};
+use crate::contract::{ROUNDOFF, SMALLEST, SMALLEST_SHEARED};
 use crate::lanes::{Lanes, Mask};
+use crate::layout::LATTICE;
 use crate::ray::CanonicalRay;
 use crate::unroll;
 
 /// How far below 0 a difference of products may lie whose exact value, with small coordinates taken for 0, is not
-/// negative. Sheared coordinates are at most 4 (2 from the origin, and as much again by the shear), so that a product with
-/// one below [`SMALLEST_SHEARED`] is below 2^-36, and of two such products the difference below 2^-35.
-pub const CANDIDATE_SLACK: f32 = 8.0 * SMALLEST_SHEARED;
+/// negative. Sheared coordinates are at most 4 root edges (2 from the origin, and as much again by the shear), so that a
+/// product with one below [`SMALLEST_SHEARED`] is below 4 edges times that, and of two such products the difference below
+/// 8.
+pub const CANDIDATE_SLACK: f32 = 8.0 * LATTICE as f32 * SMALLEST_SHEARED;
+
+/// How far the distance to a triangle in a plane across an axis may lie from the one that its corners' weights give, in
+/// largest distances t' of its corners: the weights are hardly ever wrong by more.
+pub const PLANE_SLACK: f32 = 6.0 * ROUNDOFF;
 
 /// The ray's part of the test: everything that does not depend on the triangle.
 #[derive(Clone, Copy, Debug)]
@@ -103,12 +109,7 @@ impl<L: Lanes> Sheared<L> {
     /// Shears permuted corners.
     #[inline(always)]
     pub fn new(shear: &Shear<L>, corners: [[L; 3]; 3]) -> Self {
-        Self::from_differences(shear, unroll!(c in 0..3 => unroll!(k in 0..3 => corners[c][k] - shear.origin[k])))
-    }
-
-    /// Shears what is left of permuted corners less the origin.
-    #[inline(always)]
-    pub fn from_differences(shear: &Shear<L>, from_origin: [[L; 3]; 3]) -> Self {
+        let from_origin: [[L; 3]; 3] = unroll!(c in 0..3 => unroll!(k in 0..3 => corners[c][k] - shear.origin[k]));
         Self {
             x: unroll!(c in 0..3 => shear.lateral(from_origin[c], 0)),
             y: unroll!(c in 0..3 => shear.lateral(from_origin[c], 1)),
@@ -134,7 +135,7 @@ impl<L: Lanes> Sheared<L> {
     /// Without the exact finish a needle or a ray in the plane is hit far from the triangle
     /// (docs/contract.md, "Triangle test").
     #[inline(always)]
-    pub fn finish(&self, shear: &Shear<L>) -> (L::Mask, Candidate<L>) {
+    pub fn finish(&self, shear: &Shear<L>, corners: &[[L; 3]; 3]) -> (L::Mask, Candidate<L>) {
         let [ax, bx, cx] = unroll!(c in 0..3 => self.x[c].flush(SMALLEST_SHEARED));
         let [ay, by, cy] = unroll!(c in 0..3 => self.y[c].flush(SMALLEST_SHEARED));
         let u = difference_of_products(cx, by, cy, bx);
@@ -147,10 +148,38 @@ impl<L: Lanes> Sheared<L> {
 
         let sum = (u + v) + w;
         let (v, w) = (v / sum, w / sum);
-        let [az, bz, cz] = unroll!(c in 0..3 => shear.slope[2] * self.z[c]);
+        let depths @ [az, bz, cz]: [L; 3] = unroll!(c in 0..3 => shear.slope[2] * self.z[c]);
         let t = az + (v * (bz - az) + w * (cz - az));
+        let t = in_axis_plane(shear, corners, depths, t, accepted);
         (accepted, Candidate { t: t.flush(SMALLEST), u: v.flush(SMALLEST), v: w.flush(SMALLEST) })
     }
+}
+
+/// The distance of a triangle that lies in a plane across axis 0 or 1: where the ray meets that plane, but no farther than
+/// [`PLANE_SLACK`] from `t`, the distance that the weights of the corners give. Of other triangles it is `t`.
+///
+/// Grounds and walls are such triangles. The weights carry the rounding of corners that may be far away, the plane only
+/// that of its own distance. Only triangles that are accepted need it.
+#[inline(always)]
+fn in_axis_plane<L: Lanes>(
+    shear: &Shear<L>,
+    [a, b, c]: &[[L; 3]; 3],
+    [az, bz, cz]: [L; 3],
+    t: L,
+    accepted: L::Mask,
+) -> L {
+    let (is_x, is_y) = (a[0].equal(b[0]), a[1].equal(b[1]));
+    if !((is_x | is_y) & accepted).any() {
+        return t;
+    }
+    let (is_x, is_y) = (is_x & a[0].equal(c[0]), is_y & a[1].equal(c[1]));
+    let slope = shear.slope[0].or_else(is_x, shear.slope[1]);
+    let height = (a[0] - shear.origin[0]).or_else(is_x, a[1] - shear.origin[1]);
+    let met = height / slope * shear.slope[2];
+    let slack = az.abs().max(bz.abs().max(cz.abs())) * L::splat(PLANE_SLACK);
+    let met = (t - slack).max(met.min(t + slack));
+    // A ray along the plane meets it nowhere.
+    met.or_else((is_x | is_y) & !slope.equal(L::splat(0.0)), t)
 }
 
 /// `a * b - c * d` with a sign that is exact and an error of at most 2 roundoffs (Cornea, Harrison & Tang 2002).
@@ -169,6 +198,6 @@ pub fn intersect<L: Lanes>(shear: &Shear<L>, corners: [[L; 3]; 3]) -> (L::Mask, 
         let zero = L::splat(0.0);
         return (candidates, Candidate { t: zero, u: zero, v: zero });
     }
-    let (accepted, found) = sheared.finish(shear);
+    let (accepted, found) = sheared.finish(shear, &corners);
     (accepted & candidates, found)
 }

@@ -22,7 +22,7 @@ const CHECKSUM_WORD: usize = 3;
 pub struct Header {
     /// Triangles of the mesh, those dropped included.
     pub primitives: u32,
-    /// Triangles left out because two of their vertices are equal after rounding.
+    /// Triangles left out because two of their vertices are equal on the lattice.
     pub dropped: u32,
     /// Dropped triangles that had three different vertices in the mesh.
     pub collapsed: u32,
@@ -32,28 +32,34 @@ pub struct Header {
     pub grid_bits: u32,
     /// See [`Frame`].
     pub scale_exponent: i32,
-    /// The padding that the triangles were binned with, in lattice units.
+    /// The padding that the triangles were binned with, in lattice steps.
     pub padding: f32,
-    /// The largest move of a vertex coordinate by rounding, in lattice units.
+    /// The largest move of a vertex coordinate by rounding, in lattice steps: 0 for meshes of f32.
     pub rounding: f32,
     /// Setting: cost of a step over the cost of a triangle.
     pub step_cost: f32,
     /// Setting: deepest level allowed.
     pub max_level: u32,
-    /// The frame's origin: three f64, low words first.
-    pub origin: [u32; 6],
+    /// The frame's anchor: three f64, low words first.
+    pub anchor: [u32; 6],
+    /// The root's lower corner from the anchor, in lattice steps.
+    pub corner: [i32; 3],
 }
 
 impl Header {
     /// The lattice frame.
     pub fn frame(&self) -> Frame {
-        let word = |k: usize| u64::from(self.origin[2 * k]) | u64::from(self.origin[2 * k + 1]) << 32;
-        Frame { origin: core::array::from_fn(|k| f64::from_bits(word(k))), scale_exponent: self.scale_exponent }
+        let word = |k: usize| u64::from(self.anchor[2 * k]) | u64::from(self.anchor[2 * k + 1]) << 32;
+        Frame {
+            anchor: core::array::from_fn(|k| f64::from_bits(word(k))),
+            corner: self.corner.map(|steps| steps as f32),
+            scale_exponent: self.scale_exponent,
+        }
     }
 
-    /// The words that [`Header::frame`] reads its origin from.
-    pub fn origin_words(frame: &Frame) -> [u32; 6] {
-        core::array::from_fn(|i| (frame.origin[i / 2].to_bits() >> (32 * (i % 2))) as u32)
+    /// The words that [`Header::frame`] reads its anchor from.
+    pub fn anchor_words(frame: &Frame) -> [u32; 6] {
+        core::array::from_fn(|i| (frame.anchor[i / 2].to_bits() >> (32 * (i % 2))) as u32)
     }
 }
 

@@ -4,7 +4,7 @@ use core::fmt;
 
 use leafwalk_core::layout::{NONE, Triangle};
 use leafwalk_core::triangle::{Shear, intersect};
-use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Ray, Tracer, one_by_one, unroll};
+use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Ray, Tracer, one_by_one, unroll, weight_of_vertex_2};
 
 use crate::build::{BuildError, normalise};
 use crate::mesh::MeshRef;
@@ -31,7 +31,17 @@ impl BruteForce {
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         let canonical = self.frame.canonical(ray)?;
         let (t, hit) = self.closest(&canonical)?;
-        Some(Hit { t: canonical.clock.reported(t), ..hit })
+        Some(Hit { t: canonical.clock.reported(t), v: weight_of_vertex_2(hit.u, hit.v), ..hit })
+    }
+
+    /// Every hit of one ray, by its t, then by its primitive.
+    pub fn every_hit(&self, ray: &Ray) -> Vec<Hit> {
+        let Some(canonical) = self.frame.canonical(ray) else { return Vec::new() };
+        let mut found: Vec<_> = self.hits(&canonical).filter(|(_, t, ..)| *t < canonical.t_max).collect();
+        found.sort_by(|(a, s, ..), (b, t, ..)| s.total_cmp(t).then(a.cmp(b)));
+        let reported =
+            |(primitive, t, u, v)| Hit { t: canonical.clock.reported(t), u, v: weight_of_vertex_2(u, v), primitive };
+        found.into_iter().map(reported).collect()
     }
 
     /// The closest hit of a canonical ray with its canonical distance; the hit's own t is not set.

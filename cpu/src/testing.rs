@@ -3,6 +3,7 @@
 //!
 //! Nothing here is part of the API.
 
+use leafwalk_core::canonical::PreparedFrame;
 use leafwalk_core::layout::{Block, BvhNode, Triangle};
 use leafwalk_core::triangle::Shear;
 use leafwalk_core::{CanonicalRay, Frame, Nearest, Ray};
@@ -69,7 +70,7 @@ pub fn interleaved<W>(mut tracer: CpuTracer<W>) -> CpuTracer<W> {
     tracer
 }
 
-/// A tracer whose beams are wider than their rays by this, in lattice units: too small, and a test has to notice.
+/// A tracer whose beams are wider than their rays by this, in lattice steps: too small, and a test has to notice.
 #[must_use]
 pub fn with_beam_margin<W>(mut tracer: CpuTracer<W>, beam_margin: f32) -> CpuTracer<W> {
     tracer.tiling.beam_margin = beam_margin;
@@ -102,11 +103,11 @@ pub fn triangles(oracle: &BruteForce) -> &[Triangle] {
 
 /// Makes packets of rays in the tracer's registers, and counts the rays that can be traced.
 pub fn traceable<W: AsRef<[u32]> + Sync>(tracer: &CpuTracer<W>, rays: &[Ray]) -> u32 {
-    tracer.registers.run(Packets { frame: tracer.octree().frame(), rays })
+    tracer.registers.run(Packets { frame: tracer.octree().frame().prepare(), rays })
 }
 
 struct Packets<'a> {
-    frame: Frame,
+    frame: PreparedFrame,
     rays: &'a [Ray],
 }
 

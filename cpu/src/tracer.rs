@@ -3,7 +3,8 @@
 use core::cell::RefCell;
 use core::fmt;
 
-use leafwalk_core::{Blocks, Frame, Hit, LengthMismatch, Octree, Ray, Tracer};
+use leafwalk_core::canonical::PreparedFrame;
+use leafwalk_core::{Blocks, Hit, LengthMismatch, Octree, Ray, Tracer};
 use rayon::prelude::*;
 
 use crate::lanes::Registers;
@@ -19,7 +20,7 @@ const TASK: usize = 4096;
 pub struct CpuTracer<W> {
     octree: Octree<W>,
     /// The octree's frame: to read it for each ray would take longer than the ray's first node.
-    frame: Frame,
+    frame: PreparedFrame,
     pub(crate) registers: Registers,
     pub(crate) tiling: Tiling,
     pub(crate) way: Way,
@@ -28,7 +29,7 @@ pub struct CpuTracer<W> {
 impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     /// Takes an octree, owned or borrowed.
     pub fn new(octree: Octree<W>) -> Self {
-        let frame = octree.frame();
+        let frame = octree.frame().prepare();
         Self { octree, frame, registers: Registers::detect(), tiling: Tiling::STANDARD, way: Way::Auto }
     }
 

@@ -200,7 +200,7 @@ impl Check<'_> {
         if !record.head().is_inner() {
             return self.leaf(number, key, record, &triangles);
         }
-        let split = Split::new(key, self.parts.header.padding);
+        let split = Split::new(&self.parts.frame, key, self.parts.header.padding);
         let met = |&at: &u32| split.children_met(&self.triangles[at as usize].corners);
         let masks: Vec<u8> = triangles.par_iter().map(met).collect();
         let counts = (0..8u32).into_par_iter().map(|child| {
@@ -228,7 +228,7 @@ impl Check<'_> {
 
     fn block(&self, leaf: u32, key: Key, payload: &Payload, b: usize, block: &Block) -> Result<(), VerifyError> {
         for Triangle { primitive, corners } in block.triangles() {
-            let needed = box_inside(key, &corners, self.parts.header.padding);
+            let needed = box_inside(&self.parts.frame, key, &corners, self.parts.header.padding);
             if !payload.boxed(b).contains(needed) {
                 return Err(VerifyError::SmallBox { leaf, primitive });
             }

@@ -21,17 +21,18 @@ const LANE_QUADS: u32 = 0x2u;
 const PRIMITIVES_QUAD: u32 = 0x12u;
 const HULL_QUAD: u32 = 0x6u;
 const LIST_QUAD: u32 = 0x7u;
-const PADDING: f32 = 0x1p-19f;
-const BOX_MARGIN: f32 = 0x3p-19f;
-const START_MARGIN: f32 = 0x1p-18f;
+const PADDING: f32 = 0x5p-5f;
+const BOX_MARGIN: f32 = 0xfp-5f;
+const START_MARGIN: f32 = 0x5p-4f;
 const SMALLEST: f32 = 0x1p-60f;
 const SMALLEST_DIRECTION: f32 = 0x1p-40f;
 const SMALLEST_SHEARED: f32 = 0x1p-38f;
-const CANDIDATE_SLACK: f32 = 0x1p-35f;
-const STEEP: f32 = 0x1p44f;
+const CANDIDATE_SLACK: f32 = 0x1p-19f;
+const PLANE_SLACK: f32 = 0x3p-23f;
+const STEEP: f32 = 0x1p60f;
 const FAR_BEHIND: f32 = -0x1p56f;
 
-// Where the octree's sections start.
+// Where the octree's sections start, and its root.
 
 // gpu/src/walk/octree.rs: OctreeSetup
 struct Setup {
@@ -43,6 +44,8 @@ struct Setup {
     zero: u32,
     unused_0: u32,
     unused_1: u32,
+    corner: vec3<f32>,
+    unused_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> setup: Setup;
@@ -188,7 +191,7 @@ fn neighbour(head: vec4<u32>, rest: vec4<u32>, face: u32) -> u32 {
     return select(high, low, face < 2u);
 }
 
-// From a leaf into the neighbour behind the face that the ray leaves it by. All lengths are in lattice steps.
+// From a leaf into the neighbour behind the face that the ray leaves it by. All places are seen from the root's corner.
 
 // core/src/step.rs: Line. What follows from other members in an operation or two takes no registers: `forward` and
 // `upward` are read off `neg`, `exit_origin` off `direction`.
@@ -219,11 +222,10 @@ const AXES: vec3<u32> = vec3<u32>(0u, 1u, 2u);
 
 // core/src/step.rs: Line::new
 fn line_of(ray: CanonicalRay) -> Line {
-    let edge = vec3<f32>(f32(LATTICE));
     let down = select(vec3<u32>(0u), ONE_EACH, ray.direction < vec3<f32>(0.0));
     var line: Line;
-    line.origin = mul3(ray.origin, edge);
-    line.direction = mul3(ray.direction, edge);
+    line.origin = sub3(ray.origin, setup.corner);
+    line.direction = ray.direction;
     line.inverse = inverse(line.direction);
     line.neg = down.x | (down.y << 1u) | (down.z << 2u);
     return line;
@@ -321,9 +323,8 @@ struct Slabs {
 
 // core/src/slabs.rs: Slabs::new
 fn slabs_of(origin: vec3<f32>, inverse: vec3<f32>) -> Slabs {
-    let margin = BOX_MARGIN * f32(LATTICE);
-    let lower = -(origin + vec3<f32>(margin)) * inverse;
-    let upper = (vec3<f32>(1.0 + margin) - origin) * inverse;
+    let lower = -(origin + vec3<f32>(BOX_MARGIN)) * inverse;
+    let upper = (vec3<f32>(1.0 + BOX_MARGIN) - origin) * inverse;
     let is_negative = inverse < vec3<f32>(0.0);
     return Slabs(inverse, select(lower, upper, is_negative), select(upper, lower, is_negative));
 }
@@ -375,10 +376,9 @@ fn slope_of(direction: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(divide(d.x, d.z), divide(d.y, d.z), divide(1.0, d.z));
 }
 
-// core/src/triangle.rs: Shear::new, of a line in lattice steps: a power of two away
-fn shear_of(line: Line, slope: vec3<f32>) -> Shear {
-    let axes = permutation(line.direction);
-    let origin = mul3(line.origin, vec3<f32>(1.0 / f32(LATTICE)));
+// core/src/triangle.rs: Shear::new
+fn shear_of(origin: vec3<f32>, direction: vec3<f32>, slope: vec3<f32>) -> Shear {
+    let axes = permutation(direction);
     return Shear(permuted(origin, axes), slope, axes);
 }
 
@@ -442,22 +442,46 @@ fn coordinate(block: u32, corner: u32, axis: u32, lane: u32) -> f32 {
     return bitcast<f32>(word((at << 2u) + lane));
 }
 
-// core/src/triangle.rs: Sheared::new, of one corner of one lane
-fn sheared(shear: Shear, block: u32, corner: u32, lane: u32) -> vec3<f32> {
-    let point = vec3<f32>(
+// core/src/layout/block.rs: Block::corners, one corner of one lane, permuted
+fn permuted_corner(shear: Shear, block: u32, corner: u32, lane: u32) -> vec3<f32> {
+    return vec3<f32>(
         coordinate(block, corner, shear.axes.x, lane),
         coordinate(block, corner, shear.axes.y, lane),
         coordinate(block, corner, shear.axes.z, lane),
     );
+}
+
+// core/src/triangle.rs: Sheared::new, of one corner of one lane
+fn sheared(shear: Shear, point: vec3<f32>) -> vec3<f32> {
     let p = sub3(point, shear.origin);
     return vec3<f32>(sub(p.x, mul(shear.slope.x, p.z)), sub(p.y, mul(shear.slope.y, p.z)), p.z);
 }
 
+// core/src/triangle.rs: in_axis_plane, of a triangle that was accepted; `depths` are t' of its corners
+fn in_axis_plane(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, depths: vec3<f32>, t: f32) -> f32 {
+    let is_x = a.x == b.x && a.x == c.x;
+    let is_y = a.y == b.y && a.y == c.y;
+    let slope = select(shear.slope.y, shear.slope.x, is_x);
+    if !(is_x || is_y) || slope == 0.0 {
+        return t;
+    }
+    let height = select(sub(a.y, shear.origin.y), sub(a.x, shear.origin.x), is_x);
+    let met = mul(divide(height, slope), shear.slope.z);
+    let size = abs(depths);
+    let slack = mul(max(size.x, max(size.y, size.z)), PLANE_SLACK);
+    return max(sub(t, slack), min(met, add(t, slack)));
+}
+
 // core/src/triangle.rs: Sheared::finish
 fn finish(shear: Shear, block: u32, lane: u32) -> Candidate {
-    let a = sheared(shear, block, 0u, lane);
-    let b = sheared(shear, block, 1u, lane);
-    let c = sheared(shear, block, 2u, lane);
+    let corners = array<vec3<f32>, 3>(
+        permuted_corner(shear, block, 0u, lane),
+        permuted_corner(shear, block, 1u, lane),
+        permuted_corner(shear, block, 2u, lane),
+    );
+    let a = sheared(shear, corners[0]);
+    let b = sheared(shear, corners[1]);
+    let c = sheared(shear, corners[2]);
     let ax = flush(a.x, SMALLEST_SHEARED);
     let bx = flush(b.x, SMALLEST_SHEARED);
     let cx = flush(c.x, SMALLEST_SHEARED);
@@ -478,7 +502,8 @@ fn finish(shear: Shear, block: u32, lane: u32) -> Candidate {
     let az = mul(shear.slope.z, a.z);
     let bz = mul(shear.slope.z, b.z);
     let cz = mul(shear.slope.z, c.z);
-    let t = add(az, add(mul(of_b, sub(bz, az)), mul(of_c, sub(cz, az))));
+    let by_weights = add(az, add(mul(of_b, sub(bz, az)), mul(of_c, sub(cz, az))));
+    let t = in_axis_plane(shear, corners[0], corners[1], corners[2], vec3<f32>(az, bz, cz), by_weights);
     return Candidate(true, flush(t, SMALLEST), flush(of_b, SMALLEST), flush(of_c, SMALLEST));
 }
 
@@ -529,9 +554,8 @@ struct Start {
 // core/src/trace.rs: start
 fn start_of(line: Line, ray: CanonicalRay) -> Start {
     let edge = f32(LATTICE);
-    let margin = PADDING * edge;
-    let a = mul3(sub3(vec3<f32>(-margin), line.origin), line.inverse);
-    let b = mul3(sub3(vec3<f32>(edge + margin), line.origin), line.inverse);
+    let a = mul3(sub3(vec3<f32>(-PADDING), line.origin), line.inverse);
+    let b = mul3(sub3(vec3<f32>(edge + PADDING), line.origin), line.inverse);
     let near = min(a, b);
     let far = max(a, b);
     let first = max(max(sub(ray.t_min, START_MARGIN), near.x), max(near.y, near.z));
@@ -605,7 +629,7 @@ fn test_block(block: u32, shear: Shear, nearest: ptr<function, Nearest>) {
 }
 
 // core/src/trace.rs: Walk::leaf, which returns the number of blocks that it tested.
-fn leaf(first: u32, line: Line, slope: vec3<f32>, nearest: ptr<function, Nearest>) -> u32 {
+fn leaf(first: u32, origin: vec3<f32>, line: Line, slope: vec3<f32>, nearest: ptr<function, Nearest>) -> u32 {
     var number = first;
     var blocks = 0u;
     let slabs = slabs_of(line.origin, line.inverse);
@@ -614,7 +638,7 @@ fn leaf(first: u32, line: Line, slope: vec3<f32>, nearest: ptr<function, Nearest
     if !meets(slabs, hull_side(hull, is_up), hull_side(hull, !is_up), (*nearest).t_min, (*nearest).t) {
         return blocks;
     }
-    let shear = shear_of(line, slope);
+    let shear = shear_of(origin, line.direction, slope);
     while number != NONE {
         let payload = setup.payloads + number * PAYLOAD_QUADS;
         let list = quad(payload + LIST_QUAD);
@@ -644,7 +668,7 @@ override ANY_HIT: bool = false;
 fn advance(line: Line, at: ptr<function, Crossing>, head: vec4<u32>, t: f32) -> bool {
     let rest = quad(setup.records + (*at).record * RECORD_QUADS + 1u);
     let exit = exit_of(line, (*at).cell);
-    let is_done = mul(t, exit.speed) < sub(exit.distance, PADDING * f32(LATTICE));
+    let is_done = mul(t, exit.speed) < sub(exit.distance, PADDING);
     if is_done || link_kind(head.x, exit.face) == LINK_NONE {
         return false;
     }
@@ -673,7 +697,7 @@ fn walk(ray: CanonicalRay) -> Search {
         if t_count(head.x) == 0u {
             break;
         }
-        blocks += leaf(head.y, line, slope, &nearest);
+        blocks += leaf(head.y, ray.origin, line, slope, &nearest);
         if (ANY_HIT && is_hit(nearest)) || !advance(line, &at, head, nearest.t) {
             break;
         }

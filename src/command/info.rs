@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use leafwalk::Octree;
-use leafwalk::layout::Section;
+use leafwalk::layout::{LATTICE, Section};
 use leafwalk::wire::stored_checksum;
 use serde_json::json;
 
@@ -72,12 +72,15 @@ fn add_frame(report: &mut Report, octree: &Octree<Vec<u32>>) {
     let edge = parts.frame.scale();
     let bounds = octree.bounds();
     let point = |[x, y, z]: [f64; 3]| format!("({x}, {y}, {z})");
-    report.add_as("frame_origin", "frame: origin", json!(parts.frame.origin), point(parts.frame.origin));
+    let step = edge / f64::from(LATTICE);
+    let origin = parts.frame.to_caller(parts.frame.corner);
+    report.add_as("frame_anchor", "frame: anchor", json!(parts.frame.anchor), point(parts.frame.anchor));
+    report.add_as("frame_origin", "frame: origin", json!(origin), point(origin));
     let text = format!("{edge} (2^{})", parts.frame.scale_exponent);
     report.add_as("frame_edge", "frame: edge", edge, text);
-    let rounding = f64::from(parts.header.rounding) * edge;
+    let rounding = f64::from(parts.header.rounding) * step;
     report.add_as("frame_rounding", "frame: rounding", rounding, format!("{rounding:e} at most"));
-    let padding = f64::from(parts.header.padding) * edge;
+    let padding = f64::from(parts.header.padding) * step;
     report.add_as("padding", "padding", padding, format!("{padding:e}"));
     let is_empty = (0..3).any(|k| bounds.lower[k] > bounds.upper[k]);
     let (value, text) = match is_empty {

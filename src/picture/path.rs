@@ -138,7 +138,8 @@ impl Renderer<'_> {
     fn shadow_ray(&self, surface: &Surface, place: [f64; 2]) -> Option<(Ray, f64)> {
         // Both ends are lifted off their surfaces, so that the ray between them meets neither.
         let normal = self.light.normal();
-        let to_light = lift(self.light.point(place), normal, self.surfaces.frame()) - surface.lifted;
+        let on_light = lift(self.light.point(place), normal, &self.light.triangle(), self.surfaces.frame());
+        let to_light = on_light - surface.lifted;
         let distance = to_light.length();
         let (leaving, arriving) = (surface.normal.dot(to_light), -normal.dot(to_light));
         let is_lit = leaving > 0.0 && arriving > 0.0;

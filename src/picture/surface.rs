@@ -30,9 +30,9 @@ pub(crate) struct Surface {
 }
 
 /// The point of a triangle, lifted off it to the side of its unit normal, as far as [`Hit::spawn`] lifts the origins of
-/// rays: `lift` and the normal are those with which pictures have always been drawn, to the last bit.
-pub(crate) fn lift(point: DVec3, normal: DVec3, frame: &Frame) -> DVec3 {
-    point + normal * frame.clearance(point.to_array())
+/// rays.
+pub(crate) fn lift(point: DVec3, normal: DVec3, corners: &[Vec3; 3], frame: &Frame) -> DVec3 {
+    point + normal * frame.clearance(&corners.map(|corner| corner.to_array()), point.to_array())
 }
 
 impl Surfaces {
@@ -55,7 +55,8 @@ impl Surfaces {
 
     /// The surface at a hit of a ray of this direction; `None` for a miss.
     pub(crate) fn at(&self, hit: &Hit, direction: [f32; 3]) -> Option<Surface> {
-        let [a, b, c] = self.corners.get(hit.primitive as usize)?.map(Vec3::as_dvec3);
+        let corners = self.corners.get(hit.primitive as usize)?;
+        let [a, b, c] = corners.map(|corner| corner.as_dvec3());
         let (ab, ac) = (b - a, c - a);
         let direction = Vec3::from(direction).as_dvec3();
         // A triangle without area is seen edge-on, so any normal towards the viewer serves.
@@ -66,7 +67,7 @@ impl Surfaces {
         let point = a + (ab * f64::from(hit.u) + ac * f64::from(hit.v));
         let material = self.material_ids.get(hit.primitive as usize).and_then(|id| self.materials.get(*id as usize));
         Some(Surface {
-            lifted: lift(point, normal, &self.frame),
+            lifted: lift(point, normal, corners, &self.frame),
             normal,
             is_front,
             material: material.copied().unwrap_or(Material::NEUTRAL),

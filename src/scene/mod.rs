@@ -44,6 +44,11 @@ impl Light {
     }
 
     /// The unit normal on the side that shines.
+    /// Half of it: one of the triangles that it is made of.
+    pub(crate) fn triangle(&self) -> [Vec3; 3] {
+        [DVec3::ZERO, self.edges[0], self.edges[1]].map(|from_corner| (self.corner + from_corner).as_vec3())
+    }
+
     pub(crate) fn normal(&self) -> DVec3 {
         unit(self.spanned()).unwrap_or_default()
     }

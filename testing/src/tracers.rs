@@ -8,7 +8,9 @@ use leafwalk_core::layout::Triangle;
 use leafwalk_core::step::Step;
 use leafwalk_core::testing::{self, Policy};
 use leafwalk_core::triangle::{Shear, intersect};
-use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Octree, Parts, Ray, Tracer, Walk, one_by_one};
+use leafwalk_core::{
+    CanonicalRay, Frame, Hit, LengthMismatch, Octree, Parts, Ray, Tracer, Walk, one_by_one, weight_of_vertex_2,
+};
 use leafwalk_cpu::CpuTracer;
 
 /// Any tracer, whatever it traces.
@@ -163,5 +165,9 @@ fn hits<L: ScalarLanes>(ray: &CanonicalRay, triangles: impl Iterator<Item = Tria
 /// The smallest (t', primitive) of the triangles that a canonical ray hits.
 fn closest<L: ScalarLanes>(ray: &CanonicalRay, triangles: impl Iterator<Item = Triangle>) -> Option<Hit> {
     let order = |a: &Hit, b: &Hit| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive));
-    hits::<L>(ray, triangles).min_by(order).map(|hit| Hit { t: ray.clock.reported(hit.t), ..hit })
+    hits::<L>(ray, triangles).min_by(order).map(|hit| Hit {
+        t: ray.clock.reported(hit.t),
+        v: weight_of_vertex_2(hit.u, hit.v),
+        ..hit
+    })
 }

@@ -4,22 +4,23 @@
 use std::collections::HashSet;
 
 use leafwalk::{Builder, Mesh};
-use leafwalk_core::contract::PADDING;
-use leafwalk_core::layout::{Key, Triangle};
+use leafwalk_core::contract::{PADDING, ROUNDOFF};
+use leafwalk_core::layout::{Key, LATTICE, Triangle};
 use leafwalk_testing::meshes;
 use leafwalk_testing::random::Random;
 use rayon::prelude::*;
 
-/// Clipping in f64 moves a corner by less; a part that is left of the cell shrunk by it really meets the cell.
-const CERTAIN: f64 = 1.0 / (1u64 << 46) as f64;
-/// Binning is conservative by 2^-30 of a cell, and for needles by more; a triangle further away than this from the
-/// dilated cell has no business in the leaf.
-const GENEROUS: f64 = 1.0 / (1 << 24) as f64;
+/// The builder sees corners from the root's corner, which may move them by half a roundoff of the root's edge. A part that
+/// is left of the cell shrunk by this really meets the cell.
+const CERTAIN: f64 = (ROUNDOFF * LATTICE as f32) as f64;
+/// Binning is conservative by that, too, and for needles by more; a triangle further away than this from the dilated cell
+/// has no business in the leaf.
+const GENEROUS: f64 = 2.0 * CERTAIN;
 
 /// Whether a part of the triangle is left inside the cell dilated by `reach` (Sutherland & Hodgman 1974).
-fn meets(corners: &[[f32; 3]; 3], key: Key, reach: f64) -> bool {
+fn meets(corners: &[[f64; 3]; 3], key: Key, reach: f64) -> bool {
     let (lower, upper) = key.bounds();
-    let mut polygon: Vec<[f64; 3]> = corners.iter().map(|corner| corner.map(f64::from)).collect();
+    let mut polygon = corners.to_vec();
     for (k, sign) in (0..6).map(|i| (i / 2, if i % 2 == 0 { 1.0 } else { -1.0 })) {
         let plane = if sign > 0.0 { f64::from(lower[k]) - reach } else { f64::from(upper[k]) + reach };
         let inside = |p: &[f64; 3]| sign * (p[k] - plane);
@@ -44,9 +45,11 @@ fn check(name: &str, mesh: &Mesh, builder: &Builder) {
     let octree = builder.build(mesh).expect("a mesh that builds");
     let parts = octree.parts();
     let frame = parts.frame;
-    let corners: Vec<[[f32; 3]; 3]> =
-        (0..mesh.triangles.len()).map(|i| mesh.corners(i).map(|corner| frame.to_lattice(corner))).collect();
+    let corners: Vec<[[f32; 3]; 3]> = (0..mesh.triangles.len())
+        .map(|i| mesh.corners(i).map(|corner| frame.to_lattice(corner.map(f64::from))))
+        .collect();
     let is_listed = |c: &[[f32; 3]; 3]| c[0] != c[1] && c[1] != c[2] && c[2] != c[0];
+    let in_root = |corner: [f32; 3]| core::array::from_fn(|k| f64::from(corner[k]) - f64::from(frame.corner[k]));
     let leaves: Vec<_> = parts.leaves().collect();
     let references: usize = leaves
         .par_iter()
@@ -56,10 +59,11 @@ fn check(name: &str, mesh: &Mesh, builder: &Builder) {
             let set: HashSet<u32> = listed.iter().copied().collect();
             assert_eq!(set.len(), listed.len(), "{name}: leaf {number} lists a triangle twice");
             for (primitive, corners) in (0..).zip(&corners).filter(|(_, corners)| is_listed(corners)) {
-                if meets(corners, key, f64::from(PADDING) - CERTAIN) {
+                let seen = corners.map(in_root);
+                if meets(&seen, key, f64::from(PADDING) - CERTAIN) {
                     assert!(set.contains(&primitive), "{name}: leaf {number} ({key:?}) lacks {primitive} {corners:?}");
                 } else if set.contains(&primitive) {
-                    let near = meets(corners, key, f64::from(PADDING) + GENEROUS);
+                    let near = meets(&seen, key, f64::from(PADDING) + GENEROUS);
                     assert!(near, "{name}: leaf {number} ({key:?}) lists {primitive} {corners:?} from afar");
                 }
             }

@@ -127,10 +127,10 @@ fn a_compact_octree_answers_as_a_packed_one() {
 #[test]
 fn lost_detail_is_warned_of() {
     let shell = shell();
-    // The second triangle is a millionth of a millionth of the first.
+    // The corners of the second triangle are too near to 0 for the size of the first.
     shell.write(
         "two.obj",
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.5 0.5 0\nv 0.5 0.5 1e-12\nv 0.5 0.5 2e-12\nf 1 2 3\nf 4 5 6\n",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.5 0.5 0\nv 0.5 0.5 1e-30\nv 0.5 0.5 2e-30\nf 1 2 3\nf 4 5 6\n",
     );
     let outcome = shell.run("build two.obj -o two.lwk");
     outcome.assert_code(0);

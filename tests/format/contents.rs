@@ -2,30 +2,32 @@
 
 use leafwalk::DecodeError;
 use leafwalk::wire::Header;
-use leafwalk_core::contract::{MESH_MARGIN, PADDING, SMALLEST};
-use leafwalk_core::layout::{Block, NONE, Payload};
+use leafwalk_core::contract::PADDING;
+use leafwalk_core::layout::{Block, LATTICE, NONE, Payload};
 use leafwalk_testing::edited::Edited;
 
-use crate::{chains, compact, levels, refused};
+use crate::{chains, compact, levels, no_coordinates, refused};
 
 #[test]
 fn header_fields_are_in_range() {
     let valid = levels();
-    let origin = |value: f64| {
+    let anchor = |value: f64| {
         move |header: &mut Header| {
-            header.origin[2..4].copy_from_slice(&[value.to_bits() as u32, (value.to_bits() >> 32) as u32])
+            header.anchor[2..4].copy_from_slice(&[value.to_bits() as u32, (value.to_bits() >> 32) as u32])
         }
     };
-    let far = 2f64.powi(131);
+    let far = f64::from(f32::MAX).next_up();
     type Edit = Box<dyn Fn(&mut Header)>;
-    let edits: [(&str, Edit); 23] = [
+    let edits: [(&str, Edit); 25] = [
         ("scale exponent", Box::new(|header| header.scale_exponent = -150)),
         ("scale exponent", Box::new(|header| header.scale_exponent = 132)),
         ("scale exponent", Box::new(|header| header.scale_exponent = i32::MIN)),
-        ("origin", Box::new(origin(f64::NAN))),
-        ("origin", Box::new(origin(f64::NEG_INFINITY))),
-        ("origin", Box::new(origin(far))),
-        ("origin", Box::new(origin(-far))),
+        ("anchor", Box::new(anchor(f64::NAN))),
+        ("anchor", Box::new(anchor(f64::NEG_INFINITY))),
+        ("anchor", Box::new(anchor(far))),
+        ("anchor", Box::new(anchor(-far))),
+        ("corner", Box::new(|header| header.corner[0] = 2 * LATTICE as i32 + 1)),
+        ("corner", Box::new(|header| header.corner[2] = i32::MIN)),
         ("padding", Box::new(|header| header.padding = 0.0)),
         ("padding", Box::new(|header| header.padding = PADDING.next_down())),
         ("padding", Box::new(|header| header.padding = f32::NAN)),
@@ -36,7 +38,7 @@ fn header_fields_are_in_range() {
         ("references", Box::new(|header| header.references = u32::MAX)),
         ("rounding", Box::new(|header| header.rounding = -1.0)),
         ("rounding", Box::new(|header| header.rounding = f32::NAN)),
-        ("rounding", Box::new(|header| header.rounding = 1.5)),
+        ("rounding", Box::new(|header| header.rounding = LATTICE as f32 + 1.0)),
         ("step cost", Box::new(|header| header.step_cost = 0.0)),
         ("step cost", Box::new(|header| header.step_cost = f32::INFINITY)),
         ("step cost", Box::new(|header| header.step_cost = f32::NAN)),
@@ -49,7 +51,7 @@ fn header_fields_are_in_range() {
     // As far as they go.
     assert!(valid.decode_with(|file| file.header().scale_exponent = -149).is_ok());
     assert!(valid.decode_with(|file| file.header().scale_exponent = 131).is_ok());
-    assert!(valid.decode_with(|file| origin(far.next_down())(file.header())).is_ok());
+    assert!(valid.decode_with(|file| anchor(far.next_down())(file.header())).is_ok());
 }
 
 #[track_caller]
@@ -150,7 +152,7 @@ fn the_first_box_of_a_chain_holds_them_all() {
 fn blocks_hold_triangles_of_the_mesh_inside_the_root() {
     let mut valid = levels();
     let blocks: Vec<Block> = valid.blocks().to_vec();
-    let primitives = valid.header().primitives;
+    let (primitives, root) = (valid.header().primitives, valid.header().frame().corner);
     let mut vacant = 0;
     for (number, block) in blocks.iter().enumerate() {
         for lane in 0..8 {
@@ -160,16 +162,13 @@ fn blocks_hold_triangles_of_the_mesh_inside_the_root() {
             let name = |primitive: u32| refused(&valid, |file| file.blocks()[number].primitives[lane] = primitive);
             if block.primitives[lane] == NONE {
                 vacant += 1;
-                for value in [1.0, SMALLEST, f32::from_bits(1), f32::NAN] {
+                for value in [1.0, f32::from_bits(1), f32::NAN] {
                     assert_eq!(set(value), expected);
                 }
                 assert_eq!(name(0), DecodeError::Header { field: "references" });
                 continue;
             }
-            let outside =
-                [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, -0.0, 0.0, f32::from_bits(1), SMALLEST, 1.0, 2.0];
-            let in_margin = [MESH_MARGIN.next_down(), (1.0 - MESH_MARGIN).next_up()];
-            for value in outside.into_iter().chain(in_margin) {
+            for value in no_coordinates(root[axis]) {
                 assert_eq!(set(value), expected, "{value}");
             }
             for primitive in [primitives, NONE - 1] {

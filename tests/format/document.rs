@@ -55,7 +55,7 @@ fn the_example_of_one_triangle_is_what_the_builder_writes() {
 
 #[test]
 fn the_example_of_two_leaves_is_from_the_frozen_file() {
-    let name = "version_1/levels.lwk";
+    let name = "version_2/levels.lwk";
     let bytes = read(&format!("tests/format/{name}"));
     let words: Vec<u32> =
         bytes.chunks_exact(4).map(|word| u32::from_le_bytes(word.try_into().expect("four"))).collect();

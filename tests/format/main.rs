@@ -12,6 +12,8 @@ mod round_trip;
 mod tree;
 
 use leafwalk::{Builder, DecodeError};
+use leafwalk_core::contract::{MESH_MARGIN, ROUNDOFF, SMALLEST};
+use leafwalk_core::layout::LATTICE;
 use leafwalk_testing::edited::Edited;
 use leafwalk_testing::meshes;
 
@@ -36,4 +38,16 @@ fn compact() -> Edited {
 #[track_caller]
 fn refused(valid: &Edited, edit: impl FnOnce(&mut Edited)) -> DecodeError {
     valid.decode_with(edit).map(drop).expect_err("the edit must be refused")
+}
+
+/// What no coordinate of a vertex may be, given where the root's lower side is, such that 0 lies inside the root.
+fn no_coordinates(root: f32) -> [f32; 11] {
+    let upper = root + LATTICE as f32;
+    assert!(root + MESH_MARGIN < 0.0 && upper - MESH_MARGIN > 0.0, "a root around 0");
+    // Seen from the lower side, the upper one is where numbers are a roundoff of the root's edge apart.
+    let apart = ROUNDOFF * LATTICE as f32;
+    let in_margin = [root + MESH_MARGIN - apart, upper - MESH_MARGIN + apart];
+    let tiny = [-0.0, f32::from_bits(1), SMALLEST.next_down(), -SMALLEST.next_down()];
+    let far = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, root - 1.0, upper];
+    core::array::from_fn(|i| [&in_margin[..], &tiny, &far].concat()[i])
 }

@@ -20,7 +20,7 @@ fn items_have_the_sizes_of_the_format() {
     assert_eq!((size_of::<Block>(), BLOCK_WORDS * words), (320, 320));
     assert_eq!((size_of::<IndexedBlock>(), INDEXED_BLOCK_WORDS * words), (84, 84));
     assert_eq!((size_of_val(&Key::ROOT.to_words()), KEY_WORDS * words), (8, 8));
-    assert_eq!((size_of::<Header>(), SECTION_ALIGN * words), (64, 64));
+    assert_eq!((size_of::<Header>(), SECTION_ALIGN * words), (76, 64));
     assert_eq!([align_of::<Record>(), align_of::<Payload>(), align_of::<Block>(), align_of::<Header>()], [words; 4]);
 }
 

@@ -24,7 +24,11 @@ fn specks(points: &[[f32; 3]]) -> Octree<Vec<u32>> {
     let octree = Builder::new().step_cost(0.5).max_level(EDGE.ilog2()).build(&Mesh::new(positions, triangles));
     let octree = octree.expect("a mesh that builds");
     let frame = octree.parts().frame;
-    assert_eq!((frame.origin, frame.scale()), ([0.0; 3], f64::from(EDGE)), "lattice points must be exact");
+    assert_eq!(
+        (frame.to_caller(frame.corner), frame.scale()),
+        ([0.0; 3], f64::from(EDGE)),
+        "lattice points must be exact"
+    );
     let sizes = octree.stats().leaves_at_level.iter().filter(|leaves| **leaves > 0).count();
     assert!(sizes >= 3, "leaves of {sizes} sizes");
     octree

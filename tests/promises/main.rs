@@ -3,6 +3,7 @@
 mod geometry;
 mod invalid_rays;
 mod lattice;
+mod limits;
 mod metamorphic;
 mod mutants;
 mod oracle;

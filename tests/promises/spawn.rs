@@ -54,7 +54,7 @@ fn direction(corners: &[DVec3; 3], from: DVec3, kind: usize, random: &mut Random
 fn hits(frame: &Frame, corners: &[[f32; 3]; 3], ray: &Ray) -> bool {
     frame.canonical(ray).is_some_and(|ray| {
         let (shear, axes) = Shear::<f32>::new(&ray);
-        let lattice = corners.map(|corner| frame.to_lattice(corner));
+        let lattice = corners.map(|corner| frame.to_lattice(corner.map(f64::from)));
         let (accepted, found) = intersect(&shear, lattice.map(|corner| axes.map(|axis| corner[axis])));
         accepted && ray.t_min < found.t && found.t < ray.t_max
     })
@@ -177,5 +177,45 @@ fn rays_leave_real_scenes() {
     }
     if let Some((mesh, scene)) = scenes::conference("P7 in the conference room") {
         check("conference", mesh, &scene.octree, 5_000, 81);
+    }
+}
+
+/// The faces of a cube around 0, two triangles each.
+fn cube(half: f32) -> Mesh {
+    let corner = |i: usize| [0, 1, 2].map(|k: usize| if i >> k & 1 == 1 { half } else { -half });
+    let positions = (0..8).map(corner).collect();
+    let face = |[a, b, c, d]: [u32; 4]| [[a, b, d], [a, d, c]];
+    let faces = [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 4, 5], [2, 3, 6, 7], [0, 2, 4, 6], [1, 3, 5, 7]];
+    Mesh::new(positions, faces.into_iter().flat_map(face).collect())
+}
+
+/// The offset depends on the triangle alone, not on the scene around it.
+#[test]
+fn rays_leave_a_small_cube_in_a_sky_box_of_any_size() {
+    let small = cube(0.5);
+    for (seed, size) in (100..).zip([1e2, 1e4, 1e6, 1e9]) {
+        let mut mesh = small.clone();
+        let sky = cube(size);
+        mesh.triangles.extend(sky.triangles.iter().map(|triangle| triangle.map(|i| i + small.positions.len() as u32)));
+        mesh.positions.extend(sky.positions);
+        let octree = Scene::new(&mesh).octree;
+        let frame = octree.frame();
+        let mut count = 0;
+        for index in 0..2000 {
+            let mut random = Random::new(seed, index);
+            let ray = rays::towards(random.vector().map(|c| 5.0 * c), random.vector().map(|c| 0.5 * c));
+            let Some(hit) = octree.closest_hit(&ray).filter(|hit| (hit.primitive as usize) < small.triangles.len())
+            else {
+                continue;
+            };
+            count += 1;
+            let triangle = mesh.corners(hit.primitive as usize);
+            let next = hit.spawn(&frame, &triangle, random.direction());
+            let offset = point(next.origin).distance(DVec3::from(hit.position(&triangle)));
+            assert!(offset < 1e-5, "{offset} in a sky box of {size}: {hit:?}");
+            let again = octree.closest_hit(&next).is_some_and(|next| next.primitive == hit.primitive);
+            assert!(!again && !hits(&frame, &triangle, &next), "in a sky box of {size}: {next:?}");
+        }
+        assert!(count > 500, "{count} hits");
     }
 }

@@ -16,7 +16,7 @@ pub const VERTEX_WORDS: usize = 3;
 pub struct Triangle {
     /// Its index in the mesh.
     pub primitive: u32,
-    /// Its corners in lattice units.
+    /// Its corners in lattice coordinates, which are exact.
     pub corners: [[f32; 3]; 3],
 }
 
@@ -24,7 +24,7 @@ pub struct Triangle {
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Block {
-    /// Corner, axis, lane: in lattice units.
+    /// Corner, axis, lane: in lattice coordinates.
     pub vertices: [[[f32; BLOCK_WIDTH]; 3]; 3],
     /// The triangle of each lane, or [`NONE`].
     pub primitives: [u32; BLOCK_WIDTH],

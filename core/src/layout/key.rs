@@ -1,6 +1,6 @@
 //! `Key`: where the cell of an octree's node lies.
 
-use super::{LATTICE, LATTICE_STEP};
+use super::LATTICE;
 
 /// Words of a key.
 pub const KEY_WORDS: usize = 2;
@@ -68,9 +68,8 @@ impl Key {
         Self { corner: [words[0] & 0xffff, words[0] >> 16, words[1] & 0xffff], level: words[1] >> 16 }
     }
 
-    /// Lower and upper corner in lattice units: exact.
+    /// Lower and upper corner as seen from the root's corner: exact.
     pub fn bounds(self) -> ([f32; 3], [f32; 3]) {
-        let at = |c: u32| c as f32 * LATTICE_STEP;
-        (self.corner.map(at), self.corner.map(|c| at(c + self.size())))
+        (self.corner.map(|c| c as f32), self.corner.map(|c| (c + self.size()) as f32))
     }
 }

@@ -24,15 +24,13 @@ pub use section::Section;
 
 /// The first word of a file: the bytes `lwok`.
 pub const MAGIC: u32 = u32::from_le_bytes(*b"lwok");
-/// The format's version, frozen: a change of what the words mean takes the next one, and readers read all up to theirs.
-pub const VERSION: u32 = 1;
+/// The format's version. Readers refuse every other one.
+pub const VERSION: u32 = 2;
 
 /// Deepest level of a leaf: cells 2^-16 of the root's edge.
 pub const MAX_LEVEL: u32 = 16;
-/// Lattice steps along the root's edge.
+/// Lattice steps along the root's edge. A step is the edge of the smallest cell, and the unit of lattice coordinates.
 pub const LATTICE: u32 = 1 << MAX_LEVEL;
-/// Edge of the smallest cell, in root edges.
-pub const LATTICE_STEP: f32 = 1.0 / LATTICE as f32;
 
 /// Stands where there is no record, payload or primitive.
 pub const NONE: u32 = u32::MAX;

@@ -16,7 +16,7 @@ pub enum Section {
     Blocks,
     /// In a compact octree, [`super::IndexedBlock`]s instead, in the same order.
     IndexedBlocks,
-    /// Their vertices in lattice units, three numbers each, in the order in which the blocks first name them.
+    /// Their vertices in lattice coordinates, three numbers each, in the order in which the blocks first name them.
     Vertices,
     /// [`super::BvhNode`]s: the root, then, depth first, those that each leads to by slot.
     Bvh,

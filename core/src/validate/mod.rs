@@ -9,7 +9,8 @@ use crate::contract::{MESH_MARGIN, PADDING};
 use crate::error::DecodeError;
 use crate::frame::Frame;
 use crate::layout::{
-    KEY_WORDS, Key, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, MAX_LEVEL, NONE, RECORD_WORDS, Record, Section,
+    KEY_WORDS, Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, MAX_LEVEL, NONE, RECORD_WORDS, Record,
+    Section,
 };
 use crate::parts::Parts;
 
@@ -33,13 +34,14 @@ fn header(parts: &Parts<'_>) -> Result<(), DecodeError> {
     let header = &parts.header;
     let check = |is_right: bool, field| if is_right { Ok(()) } else { Err(DecodeError::Header { field }) };
     check(Frame::SCALE_EXPONENTS.contains(&header.scale_exponent), "scale exponent")?;
-    // The root must be addressable in the caller's units: f32 positions reach 2^128.
-    check(parts.frame.origin.iter().all(|c| c.abs() < (1u128 << 127) as f64 * 16.0), "origin")?;
+    // Meshes have f32 positions, or f64 ones as large at most.
+    check(parts.frame.anchor.iter().all(|c| c.abs() <= f64::from(f32::MAX)), "anchor")?;
+    check(header.corner.iter().all(|steps| steps.unsigned_abs() <= 2 * LATTICE), "corner")?;
     check(header.padding.to_bits() == PADDING.to_bits(), "padding")?;
     check(header.primitives != NONE, "primitives")?;
     check(header.dropped <= header.primitives, "dropped")?;
     check(header.collapsed <= header.dropped, "collapsed")?;
-    check(header.rounding >= 0.0 && header.rounding <= 1.0, "rounding")?;
+    check(header.rounding >= 0.0 && header.rounding <= LATTICE as f32, "rounding")?;
     check(header.step_cost > 0.0 && header.step_cost.is_finite(), "step cost")?;
     check(header.max_level <= MAX_LEVEL, "maximum level")?;
     check(header.grid_bits <= MAX_GRID_BITS, "grid bits")

@@ -52,7 +52,8 @@ pub(crate) fn assemble(
         rounding: normalised.rounding,
         step_cost: settings.step_cost,
         max_level: settings.max_level,
-        origin: Header::origin_words(&normalised.frame),
+        anchor: Header::anchor_words(&normalised.frame),
+        corner: normalised.frame.corner.map(|steps| steps as i32),
     };
     let lengths = Section::ALL.map(|section| match section {
         Section::Header => size_of::<Header>() / size_of::<u32>(),
@@ -138,7 +139,7 @@ fn list_leaves(
     monitor.check(0.0)?;
     let list = |(leaves, mut block): (&[u32], usize)| {
         monitor.check_cancelled()?;
-        let mut lister = Lister::new(&normalised.triangles, settings);
+        let mut lister = Lister::new(&normalised.frame, &normalised.triangles, settings);
         for leaf in leaves {
             let references = references(leaf);
             lister.list(tree.nodes[*leaf as usize].key, references, first[*leaf as usize], block as u32);

@@ -8,16 +8,23 @@ use super::span::Span;
 const MOST_CORNERS: usize = 9;
 
 /// Bounds of the part of a triangle inside a box (Sutherland & Hodgman 1974), or `None` where nothing is left; `whole` are
-/// those of all of it. The fourth lane means nothing.
+/// those of all of it. The fourth lane means nothing. Corners are in lattice coordinates; all else is seen from the root's
+/// corner.
 ///
-/// In f64: rounding moves a bound by under 2^-40, which the box margin covers many times over.
-pub(super) fn clipped_bounds(corners: &[[f32; 3]; 3], whole: &Span, to: &Span) -> Option<([f64; 4], [f64; 4])> {
+/// In f64: rounding moves a bound by under 2^-40 root edges, which the box margin covers many times over.
+pub(super) fn clipped_bounds(
+    corners: &[[f32; 3]; 3],
+    root: [f32; 3],
+    whole: &Span,
+    to: &Span,
+) -> Option<([f64; 4], [f64; 4])> {
     let (low, high) = (whole.lower.to_array(), whole.upper.to_array());
     let (lower, upper) = (to.lower.to_array(), to.upper.to_array());
     let (mut first, mut second) = (Polygon::EMPTY, Polygon::EMPTY);
     let (mut polygon, mut cut) = (&mut first, &mut second);
-    for (corner, [x, y, z]) in polygon.corners.iter_mut().zip(corners) {
-        *corner = [f64::from(*x), f64::from(*y), f64::from(*z), 0.0];
+    for (corner, exact) in polygon.corners.iter_mut().zip(corners) {
+        let [x, y, z] = core::array::from_fn(|k| f64::from(exact[k]) - f64::from(root[k]));
+        *corner = [x, y, z, 0.0];
     }
     polygon.len = 3;
     for k in 0..3 {
@@ -77,10 +84,14 @@ impl Polygon {
 
 #[cfg(test)]
 mod tests {
+    use super::super::span::lanes;
     use super::*;
 
     fn clipped(corners: [[f32; 3]; 3], lower: [f32; 3], upper: [f32; 3]) -> Option<[[f64; 3]; 2]> {
-        let (low, high) = clipped_bounds(&corners, &Span::around(&corners), &Span::new(lower, upper))?;
+        // The root's corner is somewhere, and the box is seen from there.
+        let root = [3.0, -7.0, 0.0];
+        let moved = corners.map(|corner| core::array::from_fn(|k| corner[k] + root[k]));
+        let (low, high) = clipped_bounds(&moved, root, &Span::around(&moved, lanes(root)), &Span::new(lower, upper))?;
         Some([low, high].map(|[x, y, z, _]| [x, y, z]))
     }
 

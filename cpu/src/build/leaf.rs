@@ -1,5 +1,6 @@
 //! What leaves list: triangles grouped into blocks of eight, their boxes, payloads.
 
+use leafwalk_core::Frame;
 use leafwalk_core::layout::{BLOCK_WIDTH, Block, Key, LatticeBox, NONE, PAYLOAD_BLOCKS, Payload, Triangle};
 use wide::f32x4;
 
@@ -46,6 +47,7 @@ impl Listing {
 
 /// Lists leaf after leaf, in memory that serves for all of them.
 pub(crate) struct Lister<'a> {
+    frame: &'a Frame,
     triangles: &'a [Triangle],
     settings: &'a Settings,
     pub(crate) listing: Listing,
@@ -55,14 +57,14 @@ pub(crate) struct Lister<'a> {
 }
 
 impl<'a> Lister<'a> {
-    pub(crate) fn new(triangles: &'a [Triangle], settings: &'a Settings) -> Self {
+    pub(crate) fn new(frame: &'a Frame, triangles: &'a [Triangle], settings: &'a Settings) -> Self {
         let (parts, keys, boxes) = Default::default();
-        Self { triangles, settings, listing: Listing::default(), parts, keys, boxes }
+        Self { frame, triangles, settings, listing: Listing::default(), parts, keys, boxes }
     }
 
     /// Adds a leaf whose references ascend; its payloads are numbered from `payload` on, their blocks from `block` on.
     pub(crate) fn list(&mut self, cell: Key, references: &[u32], payload: u32, block: u32) {
-        let cell = Cell::new(cell, self.settings.padding());
+        let cell = Cell::new(self.frame, cell, self.settings.padding());
         self.parts.clear();
         self.parts.extend(references.iter().map(|reference| cell.part(&self.triangles[*reference as usize].corners)));
         self.keys.clear();

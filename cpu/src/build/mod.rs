@@ -1,7 +1,7 @@
 //! From a mesh to the words of a file.
 //!
 //! ```text
-//! normalise   vertices into lattice units, triangles without extent left out
+//! normalise   vertices into lattice coordinates, triangles without extent left out
 //! tree        split cells while that pays, and balance the octree
 //! assemble    link     number the nodes, link each leaf to its neighbours, make the entry grid
 //!             leaf     group what each leaf lists into blocks of eight, with their boxes
@@ -145,7 +145,7 @@ impl Builder {
         settings.check_memory(normalise::bytes_needed(mesh))?;
         let normalised = self.normalise(mesh)?;
         let budget = settings.references(mesh.triangles.len());
-        let tree = Tree::grow(&normalised.triangles, budget, settings, &monitor.part(0.05, 0.6))?;
+        let tree = Tree::grow(&normalised.frame, &normalised.triangles, budget, settings, &monitor.part(0.05, 0.6))?;
         assemble::assemble(mesh, &normalised, &tree, settings, &monitor.part(0.6, 1.0))
     }
 

@@ -1,9 +1,9 @@
-//! A mesh in lattice units: the one place where vertices are rounded.
+//! A mesh in lattice coordinates.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
 use leafwalk_core::Frame;
-use leafwalk_core::layout::Triangle;
+use leafwalk_core::layout::{LATTICE, Triangle};
 use leafwalk_core::testing::frame_touching;
 use rayon::prelude::*;
 
@@ -23,11 +23,11 @@ pub(crate) struct Normalised {
     pub(crate) frame: Frame,
     /// The triangles by ascending primitive.
     pub(crate) triangles: Vec<Triangle>,
-    /// Left out: two corners are equal after rounding, or one is not finite (lenient builds).
+    /// Left out: two corners are equal on the lattice, or one is not finite (lenient builds).
     pub(crate) dropped: u32,
-    /// Dropped triangles that had three different corners before rounding.
+    /// Dropped triangles that had three different corners before.
     pub(crate) collapsed: u32,
-    /// The largest move of a coordinate by rounding, in lattice units.
+    /// The largest move of a coordinate by rounding, in lattice steps.
     pub(crate) rounding: f32,
 }
 
@@ -54,7 +54,7 @@ pub(crate) fn normalise_with(mesh: MeshRef<'_>, non_finite: NonFinite) -> Result
 fn normalise_into(
     mesh: MeshRef<'_>,
     non_finite: NonFinite,
-    frame: impl Fn([f32; 3], [f32; 3]) -> Frame,
+    frame: impl Fn([f64; 3], [f64; 3]) -> Frame,
 ) -> Result<Normalised, BuildError> {
     check_counts(mesh)?;
     let used = used_vertices(mesh, non_finite)?;
@@ -62,17 +62,21 @@ fn normalise_into(
     let empty = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     let bounds = in_use.fold(|| empty, |bounds, (&position, _)| join(bounds, (position, position)));
     let (lower, upper) = bounds.reduce(|| empty, join);
-    let frame = if lower[0] <= upper[0] { frame(lower, upper) } else { frame([0.0; 3], [0.0; 3]) };
+    let frame = if lower[0] <= upper[0] {
+        frame(lower.map(f64::from), upper.map(f64::from))
+    } else {
+        frame([0.0; 3], [0.0; 3])
+    };
 
-    let scale = frame.scale();
-    let exact = |c: f32, k: usize| (f64::from(c) - frame.origin[k]) / scale;
+    let step = frame.scale() / f64::from(LATTICE);
     let mut vertices = vec![LEFT_OUT; mesh.positions.len()];
     let place = |((vertex, position), used): ((&mut [f32; 3], &[f32; 3]), &AtomicBool)| {
         if !used.load(Relaxed) {
             return 0.0;
         }
-        *vertex = frame.to_lattice(*position);
-        let moved = |k: usize| (f64::from(vertex[k]) - exact(position[k], k)).abs() as f32;
+        let exact = position.map(f64::from);
+        *vertex = frame.to_lattice(exact);
+        let moved = |k: usize| (f64::from(vertex[k]) - (exact[k] - frame.anchor[k]) / step).abs() as f32;
         (0..3).map(moved).fold(0.0, f32::max)
     };
     let rounding = vertices.par_iter_mut().zip(mesh.positions).zip(&used).map(place).reduce(|| 0.0, f32::max);

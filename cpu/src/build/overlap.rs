@@ -1,13 +1,14 @@
 //! Conservative triangle/cell tests: which children of a cell a triangle is listed in.
 
 use glam::DVec3;
-use leafwalk_core::layout::{Key, LATTICE_STEP};
+use leafwalk_core::Frame;
+use leafwalk_core::layout::Key;
 use wide::f32x4;
 
 use super::span::{Span, axes, lanes};
 
-/// Relative slack of a separating-axis test. The projected half extent of a dilated cell is at least 2^-19 times the
-/// axis, and the rounding of the projected corners at most 2^-50 times it: 2^-31, doubled.
+/// Relative slack of a separating-axis test. The projected half extent of a dilated cell is at least 2^-19 root edges times
+/// the axis, and the rounding of the projected corners at most 2^-50 root edges times it: 2^-31, doubled.
 const SLACK: f64 = 1.0 + 1.0 / (1u64 << 30) as f64;
 /// Rounding of the normal of a needle, which the relative slack does not cover: 2^-50 of its edges' product, doubled
 /// twice for the projections.
@@ -22,8 +23,9 @@ pub(crate) struct Overlap {
 }
 
 impl Overlap {
-    pub(crate) fn new(corners: &[[f32; 3]; 3]) -> Self {
-        let corners = corners.map(|c| DVec3::from_array(c.map(f64::from)));
+    /// Of corners in lattice coordinates, given where the root's corner is.
+    pub(crate) fn new(corners: &[[f32; 3]; 3], root: DVec3) -> Self {
+        let corners = corners.map(|c| DVec3::from_array(c.map(f64::from)) - root);
         let [a, b, c] = corners;
         let edges = [b - a, c - b, a - c];
         let normal = edges[0].cross(edges[1]);
@@ -53,6 +55,8 @@ impl Overlap {
 
 /// A cell about to be split: its planes, dilated by the padding.
 pub(crate) struct Split {
+    /// The root's corner.
+    root: [f32; 3],
     dilated: Span,
     /// Where the lower children end.
     below: f32x4,
@@ -66,13 +70,14 @@ pub(crate) struct Split {
 }
 
 impl Split {
-    pub(crate) fn new(cell: Key, padding: f32) -> Self {
+    pub(crate) fn new(frame: &Frame, cell: Key, padding: f32) -> Self {
         let (lower, upper) = cell.bounds();
-        // All sums here are exact: multiples of 2^-19 below 2.
-        let half = 0.5 * cell.size() as f32 * LATTICE_STEP;
+        // All sums here are exact: multiples of an eighth of a root edge's roundoff below two root edges.
+        let half = 0.5 * cell.size() as f32;
         let middle = lower.map(|c| c + half);
         let quarter = 0.5 * f64::from(half);
         Self {
+            root: frame.corner,
             dilated: Span::new(lower.map(|c| c - padding), upper.map(|c| c + padding)),
             below: lanes(middle.map(|c| c + padding)),
             above: lanes(middle.map(|c| c - padding)),
@@ -85,7 +90,7 @@ impl Split {
     /// Bit i: the triangle meets child i, dilated. The triangle must meet the dilated cell.
     #[inline]
     pub(crate) fn children_met(&self, corners: &[[f32; 3]; 3]) -> u8 {
-        let whole = Span::around(corners);
+        let whole = Span::around(corners, lanes(self.root));
         let (is_low, is_high) = self.halves(whole);
         let candidates = BELOW[is_low] & ABOVE[is_high];
         let straddled = (is_low & is_high).count_ones();
@@ -106,7 +111,8 @@ impl Split {
     #[inline(never)]
     fn children_among(&self, candidates: u8, corners: &[[f32; 3]; 3]) -> u8 {
         // Children that hold a corner need no proof.
-        let points = corners.map(lanes).map(|corner| Span { lower: corner, upper: corner });
+        let root = lanes(self.root);
+        let points = corners.map(|corner| lanes(corner) - root).map(|corner| Span { lower: corner, upper: corner });
         let met = points.into_iter().filter(|point| self.dilated.holds(point)).fold(0, |met, point| {
             let (is_low, is_high) = self.halves(point);
             met | BELOW[is_low] & ABOVE[is_high]
@@ -114,7 +120,7 @@ impl Split {
         if met == candidates {
             return met;
         }
-        let triangle = Overlap::new(corners);
+        let triangle = Overlap::new(corners, DVec3::from_array(self.root.map(f64::from)));
         let centre = |child: u8| {
             let side = |k: usize| if UPPER[k] >> child & 1 == 1 { self.quarter } else { -self.quarter };
             self.middle + DVec3::new(side(0), side(1), side(2))

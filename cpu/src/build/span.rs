@@ -1,4 +1,4 @@
-//! `Span`: boxes in lattice units, all axes at a time.
+//! `Span`: boxes as seen from the root's corner, all axes at a time.
 
 use wide::f32x4;
 
@@ -14,13 +14,14 @@ impl Span {
         Self { lower: lanes(lower), upper: lanes(upper) }
     }
 
+    /// Around corners in lattice coordinates, given where the root's corner is.
     #[inline]
-    pub(super) fn around(corners: &[[f32; 3]; 3]) -> Self {
+    pub(super) fn around(corners: &[[f32; 3]; 3], root: f32x4) -> Self {
         // Corners one behind the other are loaded at once, with the first number of the next.
         let &[a0, a1, a2, b0, b1, b2, c0, c1, c2] = corners.as_flattened() else { unreachable!("nine numbers") };
         let (a, b) = (f32x4::new([a0, a1, a2, b0]), f32x4::new([b0, b1, b2, c0]));
         let c = lanes([c0, c1, c2]);
-        Self { lower: a.fast_min(b).fast_min(c), upper: a.fast_max(b).fast_max(c) }
+        Self { lower: a.fast_min(b).fast_min(c) - root, upper: a.fast_max(b).fast_max(c) - root }
     }
 
     /// Whether another box reaches nowhere out of this one.

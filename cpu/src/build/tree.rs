@@ -1,5 +1,6 @@
 //! Splitting: breadth first, level by level, while it lowers the expected cost of a ray, balanced as it goes.
 
+use leafwalk_core::Frame;
 use leafwalk_core::layout::{Key, LATTICE, NONE, Triangle};
 use rayon::prelude::*;
 
@@ -86,6 +87,7 @@ impl Tree {
 
     /// Splits the root cell over all triangles; the leaves list no more than `budget` references.
     pub(crate) fn grow(
+        frame: &Frame,
         triangles: &[Triangle],
         budget: usize,
         settings: &Settings,
@@ -93,7 +95,7 @@ impl Tree {
     ) -> Result<Self, BuildError> {
         let root = Node { key: Key::ROOT, children: NONE, start: 0, len: 0 };
         let mut tree = Self { nodes: vec![root], references: Vec::new(), live: 0 };
-        let mut grower = Grower { triangles, budget, settings, tree: &mut tree, total: triangles.len() };
+        let mut grower = Grower { frame, triangles, budget, settings, tree: &mut tree, total: triangles.len() };
         let mut references: Vec<u32> = (0..triangles.len() as u32).collect();
         let mut open = vec![Open { node: 0, start: 0, len: triangles.len() }];
         while !open.is_empty() {
@@ -118,6 +120,7 @@ impl Tree {
 }
 
 struct Grower<'a> {
+    frame: &'a Frame,
     triangles: &'a [Triangle],
     budget: usize,
     settings: &'a Settings,
@@ -204,7 +207,7 @@ impl Grower<'_> {
     }
 
     fn bin(&self, cell: Key, references: &[u32], masks: &mut [u8]) -> [usize; 8] {
-        let split = Split::new(cell, self.settings.padding());
+        let split = Split::new(self.frame, cell, self.settings.padding());
         let mut counts = [0; 8];
         for (references, masks) in references.chunks(MOST_SPREAD).zip(masks.chunks_mut(MOST_SPREAD)) {
             let mut spread = 0;
@@ -302,7 +305,7 @@ impl Grower<'_> {
     fn bin_all(&self, leaves: &[u32]) -> Vec<(usize, [Vec<u32>; 8])> {
         let bin = |&leaf: &u32| {
             let node = &self.tree.nodes[leaf as usize];
-            let split = Split::new(node.key, self.settings.padding());
+            let split = Split::new(self.frame, node.key, self.settings.padding());
             let mut parts: [Vec<u32>; 8] = Default::default();
             for &reference in self.tree.references(node) {
                 let met = split.children_met(&self.triangles[reference as usize].corners);

@@ -2,14 +2,13 @@
 //!
 //! Every ray of a batch becomes part of a packet, once. Whatever traces it takes the packet as it is, or ray by ray.
 
-use leafwalk_core::canonical::CommonRays;
-use leafwalk_core::contract::SMALLEST;
+use leafwalk_core::canonical::{CommonRays, PreparedFrame};
 use leafwalk_core::lanes::{Bits, Lanes, Mask as _};
-use leafwalk_core::layout::{LATTICE, LatticeBox};
+use leafwalk_core::layout::LatticeBox;
 use leafwalk_core::slabs::Slabs;
 use leafwalk_core::step::inverse;
 use leafwalk_core::triangle::{PERMUTATIONS, Shear, main_axis};
-use leafwalk_core::{Clock, Frame, Nearest, Ray, unroll};
+use leafwalk_core::{Clock, Nearest, Ray, unroll};
 
 use super::probe::Probe;
 use crate::lanes::Eight;
@@ -35,7 +34,7 @@ pub(crate) struct Packet {
     pub(crate) origin: [Row; 3],
     /// See [`Shear::slope`].
     pub(crate) slope: [Row; 3],
-    /// The direction along the main axis: lattice units per unit of t'.
+    /// The direction along the main axis: lattice steps per unit of t'.
     pub(crate) speed: Row,
     /// The limits of t'.
     pub(crate) t_min: Row,
@@ -54,6 +53,7 @@ pub(crate) struct Packet {
 /// Canonical rays, lane by lane.
 struct CanonicalRays<L> {
     origin: [L; 3],
+    within: [L; 3],
     direction: [L; 3],
     t_min: L,
     t_max: L,
@@ -109,7 +109,7 @@ impl Packet {
 
     /// The packet of one to eight rays, the first of which has this place in the batch.
     #[inline(always)]
-    pub(crate) fn new<L: Eight>(frame: &Frame, rays: &[Ray], first: u32) -> Self {
+    pub(crate) fn new<L: Eight>(frame: &PreparedFrame, rays: &[Ray], first: u32) -> Self {
         let mut repeated;
         let eight = match rays.first_chunk() {
             Some(eight) => eight,
@@ -120,11 +120,7 @@ impl Packet {
             }
         };
         let ray = canonical::<L>(frame, eight);
-        let steps = L::splat(LATTICE as f32);
-        let slabs = Slabs::new(
-            unroll!(k in 0..3 => ray.origin[k] * steps),
-            inverse(unroll!(k in 0..3 => ray.direction[k] * steps)),
-        );
+        let slabs = Slabs::new(ray.within, inverse(ray.direction));
         let [is_x, is_y, _] = main_axis(ray.direction);
         let direction = permute(ray.direction, is_x, is_y);
         let shear = Shear::of_permuted(permute(ray.origin, is_x, is_y), direction);
@@ -260,25 +256,17 @@ pub(crate) fn integers<L: Eight>(lanes: L::Bits) -> [u32; 8] {
 
 /// What [`Frame::canonical`] gives, in eight lanes where all rays are of the common kind, the others one by one.
 #[inline(always)]
-fn canonical<L: Eight>(frame: &Frame, rays: &[Ray; 8]) -> CanonicalRays<L> {
+fn canonical<L: Eight>(frame: &PreparedFrame, rays: &[Ray; 8]) -> CanonicalRays<L> {
     let [x, y, z, t_min, dx, dy, dz, t_max] =
         L::transpose(unroll!(lane in 0..8 => L::load(bytemuck::cast_ref(&rays[lane]))));
-    let given = [x.to_array(), y.to_array(), z.to_array()];
-    let scale = 1.0 / frame.scale();
-    let origin: [L; 3] = unroll!(k in 0..3 => {
-        let mut row = [0.0; 8];
-        for lane in 0..8 {
-            row[lane] = ((f64::from(given[k][lane]) - frame.origin[k]) * scale) as f32;
-        }
-        L::load(&row).flush(SMALLEST)
-    });
-    let common = CommonRays::new(frame, [x, y, z], origin, [dx, dy, dz], t_min, t_max);
+    let common = CommonRays::new(frame, [x, y, z], [dx, dy, dz], t_min, t_max);
     let mut unit = [0.0; 8];
     for (lane, of_lane) in common.unit.to_array().into_iter().enumerate() {
         unit[lane] = f64::from(of_lane);
     }
     let mut canonical = CanonicalRays {
-        origin,
+        origin: common.origin,
+        within: common.within,
         direction: common.direction,
         t_min: common.t_min,
         t_max: common.t_max,
@@ -293,15 +281,16 @@ fn canonical<L: Eight>(frame: &Frame, rays: &[Ray; 8]) -> CanonicalRays<L> {
 
 /// Makes the rays of some lanes canonical that are far, extreme or invalid.
 #[inline(never)]
-fn one_by_one<L: Eight>(frame: &Frame, rays: &[Ray; 8], lanes: u32, out: &mut CanonicalRays<L>) {
-    let (mut origin, mut direction) = (rows(out.origin), rows(out.direction));
+fn one_by_one<L: Eight>(frame: &PreparedFrame, rays: &[Ray; 8], lanes: u32, out: &mut CanonicalRays<L>) {
+    let (mut origin, mut within, mut direction) = (rows(out.origin), rows(out.within), rows(out.direction));
     let (mut t_min, mut t_max) = (out.t_min.to_array(), out.t_max.to_array());
     for (lane, ray) in rays.iter().enumerate().filter(|(lane, _)| lanes >> lane & 1 == 1) {
         let canonical = frame.canonical(ray);
         out.valid |= u32::from(canonical.is_some()) << lane;
         if let Some(ray) = canonical {
             for k in 0..3 {
-                (origin[k][lane], direction[k][lane]) = (ray.origin[k], ray.direction[k]);
+                (origin[k][lane], within[k][lane]) = (ray.origin[k], ray.within[k]);
+                direction[k][lane] = ray.direction[k];
             }
             (t_min[lane], t_max[lane]) = (ray.t_min, ray.t_max);
             (out.clocks.entry[lane], out.clocks.unit[lane]) = (ray.clock.entry, ray.clock.unit);
@@ -309,5 +298,6 @@ fn one_by_one<L: Eight>(frame: &Frame, rays: &[Ray; 8], lanes: u32, out: &mut Ca
     }
     (out.t_min, out.t_max) = (L::load(&t_min), L::load(&t_max));
     out.origin = unroll!(k in 0..3 => L::load(&origin[k]));
+    out.within = unroll!(k in 0..3 => L::load(&within[k]));
     out.direction = unroll!(k in 0..3 => L::load(&direction[k]));
 }

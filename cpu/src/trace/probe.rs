@@ -1,6 +1,5 @@
 //! `Probe`: one ray with all that box and triangle tests want to know of it.
 
-use leafwalk_core::layout::LATTICE;
 use leafwalk_core::slabs::Slabs;
 use leafwalk_core::step::inverse;
 use leafwalk_core::triangle::{Shear, permutation};
@@ -29,14 +28,11 @@ impl<L: Eight> Probe<L> {
     /// The probe of a ray that comes alone; those of packets come from [`super::packet::Packet::take`].
     #[inline(always)]
     pub(crate) fn new(ray: &CanonicalRay) -> Self {
-        let CanonicalRay { origin: o, direction: d, .. } = ray;
+        let CanonicalRay { origin: o, within, direction: d, .. } = ray;
         let axes = permutation(*d);
         let [x, y, z] = axes;
-        let steps = L::splat(LATTICE as f32);
-        let slabs = Slabs::new(
-            unroll!(k in 0..3 => L::splat(o[k]) * steps),
-            inverse(unroll!(k in 0..3 => L::splat(d[k]) * steps)),
-        );
+        let slabs =
+            Slabs::new(unroll!(k in 0..3 => L::splat(within[k])), inverse(unroll!(k in 0..3 => L::splat(d[k]))));
         // The shear's divisions as one division of lanes.
         let numerators = L::load(&[d[x], d[y], 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
         let slope = (numerators / L::splat(d[z])).to_array();

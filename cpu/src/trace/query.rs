@@ -1,7 +1,7 @@
 //! `Query`: what is asked of each ray. The ways of tracing are written once and compiled for both queries.
 
 use leafwalk_core::lanes::Mask as _;
-use leafwalk_core::{Clock, Hit, Nearest, unroll};
+use leafwalk_core::{Clock, Hit, Nearest, unroll, weight_of_vertex_2};
 
 use super::packet::Clocks;
 use crate::lanes::Eight;
@@ -37,6 +37,7 @@ impl Query for ClosestHit {
         let Nearest { t, u, v, primitive, .. } = *nearest;
         // The other fields of a lane without a hit are those of a miss already.
         let t = clocks.reported(t).or_else(nearest.is_hit(), L::splat(Hit::MISS.t));
+        let v = weight_of_vertex_2(u, v);
         let zero = L::splat(0.0);
         let rows = L::transpose([t, u, v, L::from_bits(primitive), zero, zero, zero, zero]);
         unroll!(lane in 0..8 => {

@@ -17,7 +17,7 @@ use crate::walk::DeviceRay;
 /// The text defines `fn generate_ray(number: u32) -> CanonicalRay`, and may declare one storage buffer of parameters, as
 /// `@group(1) @binding(0) var<storage, read>`. Before it stands a prelude with
 ///
-/// * the struct `CanonicalRay`, which is [`DeviceRay`] in Rust: a ray in lattice units. Its limits are finite, and count in
+/// * the struct `CanonicalRay`, which is [`DeviceRay`] in Rust: a ray on the lattice. Its limits are finite, and count in
 ///   t', which is the caller's t times a power of two that depends on the length of the direction;
 /// * `no_ray()`, for numbers that have no ray;
 /// * `canonical_direction(direction: vec3<f32>)`, which scales a direction by a power of two as the CPU does. The bits are

@@ -40,7 +40,7 @@ const PAYLOAD_PLACES: [(&str, u32); 2] =
     [("HULL_QUAD", quads(offset_of!(Payload, lower))), ("LIST_QUAD", quads(offset_of!(Payload, first)))];
 
 /// Numbers, as WGSL declares them.
-const NUMBERS: [(&str, f32); 9] = [
+const NUMBERS: [(&str, f32); 10] = [
     ("PADDING", contract::PADDING),
     ("BOX_MARGIN", contract::BOX_MARGIN),
     ("START_MARGIN", contract::START_MARGIN),
@@ -48,6 +48,7 @@ const NUMBERS: [(&str, f32); 9] = [
     ("SMALLEST_DIRECTION", contract::SMALLEST_DIRECTION),
     ("SMALLEST_SHEARED", contract::SMALLEST_SHEARED),
     ("CANDIDATE_SLACK", triangle::CANDIDATE_SLACK),
+    ("PLANE_SLACK", triangle::PLANE_SLACK),
     ("STEEP", step::STEEP),
     ("FAR_BEHIND", step::FAR_BEHIND),
 ];

@@ -1,4 +1,5 @@
-//! The octree on a device: its words as they are in the file, and a uniform that says where its sections start.
+//! The octree on a device: its words as they are in the file, and a uniform that says where its sections start, and where
+//! its root is.
 
 use bytemuck::{Pod, Zeroable};
 use leafwalk_core::Octree;
@@ -7,8 +8,8 @@ use leafwalk_core::layout::{SECTION_ALIGN, Section};
 use crate::device::{DeviceError, Gpu, Module};
 use crate::shader::{QUAD_BYTES, WordBindings};
 
-/// The uniform of the kernels that walk: where the sections start, in quads of four words.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+/// The uniform of the kernels that walk: where the sections start, in quads of four words, and where the root is.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct OctreeSetup {
     /// First quad of the records.
@@ -27,6 +28,10 @@ pub struct OctreeSetup {
     pub unused_0: u32,
     /// Always 0.
     pub unused_1: u32,
+    /// The root's lower corner, in lattice coordinates.
+    pub corner: [f32; 3],
+    /// Always 0.
+    pub unused_2: u32,
 }
 
 impl OctreeSetup {
@@ -39,6 +44,7 @@ impl OctreeSetup {
             blocks: quad(Section::Blocks),
             grid: quad(Section::Grid),
             grid_bits: octree.parts().header.grid_bits,
+            corner: octree.frame().corner,
             ..Self::zeroed()
         }
     }

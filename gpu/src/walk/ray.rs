@@ -1,20 +1,20 @@
 //! Rays, hits and answers as the shaders have them in their buffers.
 
 use bytemuck::{Pod, Zeroable};
-use leafwalk_core::{CanonicalRay, Clock, Frame, Hit, Ray};
+use leafwalk_core::{CanonicalRay, Clock, Frame, Hit, Ray, weight_of_vertex_2};
 
 /// Limits of t' beyond this are brought here, since shaders know no infinity.
 ///
-/// A hit's t' is an average of three distances along the main axis (at most 2, as origins are within a root edge of the
-/// root) over a direction component of at least 1, so its magnitude stays under 4: no hit is lost or won, no walk
-/// differs. In lattice steps it is 2^36, far from the largest f32.
-const FARTHEST: f32 = (1 << 20) as f32;
+/// A hit's t' is an average of three distances along the main axis (at most two root edges, as origins are within one of
+/// the root) over a direction component of at least 1, so its magnitude stays under four edges, 2^18: no hit is lost or
+/// won, no walk differs.
+const FARTHEST: f32 = (1u64 << 36) as f32;
 
-/// A ray as the shaders have it, in lattice units: the struct `CanonicalRay` of the WGSL text, 32 bytes.
+/// A ray as the shaders have it, on the lattice: the struct `CanonicalRay` of the WGSL text, 32 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct DeviceRay {
-    /// Where t' is 0, in lattice units.
+    /// Where t' is 0, in lattice coordinates.
     pub origin: [f32; 3],
     /// Hits count for t' strictly above it. Finite.
     pub t_min: f32,
@@ -70,7 +70,8 @@ impl DeviceHit {
         if self.primitive == Hit::MISS.primitive {
             Hit::MISS
         } else {
-            Hit { t: clock.reported(self.t), u: self.u, v: self.v, primitive: self.primitive }
+            let v = weight_of_vertex_2(self.u, self.v);
+            Hit { t: clock.reported(self.t), u: self.u, v, primitive: self.primitive }
         }
     }
 }

@@ -1,6 +1,7 @@
 //! A pinhole camera whose rays are made on the device: what these tests use ray generation shaders for.
 
 use bytemuck::{Pod, Zeroable};
+use leafwalk_core::layout::LATTICE;
 use leafwalk_core::{Frame, Ray};
 use leafwalk_gpu::{DeviceRay, DeviceRays, GpuError, GpuTracer};
 
@@ -82,7 +83,9 @@ impl Pinhole {
         // Products and sums of such numbers are multiples of 2^-84, and normal.
         let is_moderate = |c: &f32| *c == 0.0 || (c.abs() > SMALL && c.abs() < 1.0 / SMALL);
         let excess = |k: usize| {
-            let at = (f64::from(self.eye[k]) - frame.origin[k]) / frame.scale();
+            let step = frame.scale() / f64::from(LATTICE);
+            let lattice = (f64::from(self.eye[k]) - frame.anchor[k]) / step;
+            let at = (lattice - f64::from(frame.corner[k])) / f64::from(LATTICE);
             (at - 1.0).max(-at)
         };
         let is_counted = self.width.max(self.height) <= 1 << f32::MANTISSA_DIGITS;
@@ -107,7 +110,7 @@ fn every_other(bits: usize) -> usize {
 /// Components nearer to 0 are for the CPU.
 const SMALL: f32 = 1.0 / (1u64 << 60) as f32;
 
-/// A camera whose eye is in lattice units.
+/// A camera whose eye is in lattice coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct DeviceCamera {

@@ -10,14 +10,14 @@ use leafwalk_testing::tracers::{Every, Visited};
 use crate::oracle;
 use crate::same_answer::{differences, hard};
 use crate::scenes::Scene;
-use crate::watertight::{aimed, inside, misses};
+use crate::watertight::{Depth, aimed, inside, misses};
 
 const RAYS: u64 = 20_000;
 
 /// P1 by testing every triangle with an arithmetic.
 fn leaks<A: Arithmetic>(mesh: &Mesh, target: Target) -> Tally {
     let scene = Scene::new(mesh);
-    let inside = inside(mesh, scene.octree.parts().frame.scale(), 256, 51);
+    let inside = inside(mesh, Depth::Safe, 256, 51);
     let every = Every::<Number<A>>::of(&scene.octree);
     misses(aimed, &[("every triangle", &every)], mesh, &inside, target, RAYS, 51)
 }

@@ -11,7 +11,7 @@ use leafwalk_testing::tracers::{Every, Named, OneByOne, Stepping};
 use leafwalk_testing::{meshes, rays};
 
 use crate::same_answer::{Source, differences, hard};
-use crate::watertight::{aimed, inside, misses};
+use crate::watertight::{Depth, aimed, inside, misses};
 
 const RAYS: u64 = 20_000;
 
@@ -68,7 +68,7 @@ fn collinear_triangles_dropped() {
     let mesh = meshes::needle_box(30);
     let check = |spoiled| {
         let octree = spoil(Builder::new(), spoiled).build(&mesh).expect("a mesh that builds");
-        let inside = inside(&mesh, octree.parts().frame.scale(), 256, 63);
+        let inside = inside(&mesh, Depth::Safe, 256, 63);
         let tracers: [Named<'_>; 2] = [("the octree", &octree), ("batches", &CpuTracer::new(octree.view()))];
         misses(aimed, &tracers, &mesh, &inside, Target::Edge, RAYS, 63)
     };
@@ -133,7 +133,7 @@ fn the_roots_test_undilated_and_t_min_clamped() {
     let mesh = touching_box(64);
     let octree = spoil(Builder::new(), Spoiled::MeshMargin).build(&mesh).expect("a mesh that builds");
     let frame = octree.parts().frame;
-    assert_eq!((frame.origin, frame.scale()), ([0.0; 3], 1.0), "the mesh must touch the root's faces");
+    assert_eq!((frame.to_caller(frame.corner), frame.scale()), ([0.0; 3], 1.0), "the mesh must touch the root's faces");
     under::<Standard>(&octree, &from_outside(&mesh), 64).passes("dilated, not clamped, P2", 0.5);
     under::<Undilated>(&octree, &from_outside(&mesh), 64).catches("undilated root test");
     under::<Clamped>(&octree, &from_outside(&mesh), 64).catches("t_min clamped after a move");
@@ -162,11 +162,11 @@ fn beams_too_narrow() {
     let every = Every::<f32>::of(&octree);
     let (centre, size) = extent(&mesh);
     for (shares, seed) in Shared::ALL.into_iter().zip(66..) {
-        // By how much beams are too narrow, in lattice units: so much that hundreds of the rays, or dozens at least, are at
+        // By how much beams are too narrow, in lattice steps: so much that hundreds of the rays, or dozens at least, are at
         // the rim that is cut off. Runs that share an end or eights have many there, the others few.
         let cut = match shares {
-            Shared::End | Shared::Eights => 1e-3,
-            Shared::Origin | Shared::Nothing => 1e-2,
+            Shared::End | Shared::Eights => 64.0,
+            Shared::Origin | Shared::Nothing => 640.0,
         };
         let source = |random: &mut Random| rays::coherent(shares, &mesh, centre, size, random);
         let check =

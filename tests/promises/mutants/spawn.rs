@@ -24,7 +24,7 @@ fn no_offset() {
 #[test]
 fn no_offset_for_large_coordinates() {
     let spawn: Spawn = |hit, frame, corners, direction| {
-        let offset = frame.clearance([0.0; 3]);
+        let offset = frame.clearance(corners, [0.0; 3]);
         spawn_lifted(hit, corners, direction, offset)
     };
     caught(&meshes::placed(&meshes::soup(1000, 69), 1.0, 1e4), spawn, "offsets without the share of the coordinates");

@@ -3,8 +3,9 @@
 pub(crate) mod node;
 pub(crate) mod stack;
 
+use leafwalk_core::canonical::PreparedFrame;
 use leafwalk_core::layout::{Block, BvhNode, Child, LatticeBox};
-use leafwalk_core::{Frame, Indexed, Octree};
+use leafwalk_core::{Indexed, Octree};
 
 use crate::lanes::Eight;
 
@@ -14,7 +15,7 @@ pub(crate) const ROOT: u32 = 0;
 /// The nodes of the BVH, and the blocks of triangles that they lead to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bvh<'a, B> {
-    pub(crate) frame: Frame,
+    pub(crate) frame: PreparedFrame,
     pub(crate) nodes: &'a [BvhNode],
     pub(crate) blocks: B,
 }
@@ -57,7 +58,7 @@ impl BlockSource for Indexed<'_> {
 
 impl<'a, B: BlockSource> Bvh<'a, B> {
     #[inline]
-    pub(crate) fn new<W: AsRef<[u32]>>(octree: &'a Octree<W>, frame: Frame, blocks: B) -> Self {
+    pub(crate) fn new<W: AsRef<[u32]>>(octree: &'a Octree<W>, frame: PreparedFrame, blocks: B) -> Self {
         Self { frame, nodes: octree.bvh(), blocks }
     }
 

@@ -71,7 +71,7 @@ pub(crate) fn test_block<L: Eight>(block: &Block, shear: &Shear<L>, axes: [usize
     if !candidates.any() {
         return;
     }
-    let (accepted, found) = sheared.finish(shear);
+    let (accepted, found) = sheared.finish(shear, &corners);
     let is_between = L::splat(nearest.t_min).less(found.t) & found.t.at_most(L::splat(nearest.t));
     let mut accepted = (accepted & candidates & is_between).to_bits();
     let (t, u, v) = (found.t.to_array(), found.u.to_array(), found.v.to_array());

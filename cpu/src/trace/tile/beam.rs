@@ -19,15 +19,16 @@ use super::range::Range;
 use crate::lanes::Eight;
 use crate::trace::packet::{PACKETS, Packet};
 
-/// How far outside its planes a beam still looks (lattice units).
+/// The root's edge.
+pub(crate) const EDGE: f32 = LATTICE as f32;
+/// How far outside its planes a beam still looks.
 ///
-/// Coordinates are below 4, so each of the ten roundings on the way to a plane and through its test is at most two roundoffs,
-/// 20 in all; triangles that count are up to 10 beside their rays (docs/contract.md, "Beams").
-pub(crate) const BEAM_MARGIN: f32 = 64.0 * ROUNDOFF;
-/// Sum of a beam's widths at both ends above which its rays share too little (root edges).
-const WIDEST: f32 = 0.2;
-/// Edge of the root in lattice steps.
-pub(crate) const STEPS: f32 = LATTICE as f32;
+/// Coordinates are below four root edges, so each of the ten roundings on the way to a plane and through its test is at most
+/// two roundoffs of the edge, 20 in all, and the three that bring a plane to the root's corner are 6; triangles that count
+/// are up to 10 beside their rays (docs/contract.md, "Beams").
+pub(crate) const BEAM_MARGIN: f32 = 64.0 * ROUNDOFF * EDGE;
+/// Sum of a beam's widths at both ends above which its rays share too little.
+const WIDEST: f32 = 0.2 * EDGE;
 
 /// A line across axis 2: `at + per_z * z`.
 #[derive(Clone, Copy, Debug)]
@@ -127,7 +128,7 @@ fn across<L: Eight>(rays: &Packet, axis: usize, z: L) -> L {
     L::load(&rays.origin[axis]) + L::load(&rays.slope[axis]) * (z - L::load(&rays.origin[2]))
 }
 
-/// Four planes against the boxes of a node, in lattice steps.
+/// Four planes against the boxes of a node, as seen from the root's corner.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BoxTest<L> {
     low: [Plane<L>; 2],
@@ -149,14 +150,15 @@ struct Plane<L> {
 }
 
 /// A box in step n reaches from `BELOW` it to `ABOVE` it.
-const BELOW: f32 = -BOX_MARGIN * STEPS;
-const ABOVE: f32 = 1.0 + BOX_MARGIN * STEPS;
+const BELOW: f32 = -BOX_MARGIN;
+const ABOVE: f32 = 1.0 + BOX_MARGIN;
 
 impl<L: Eight> Plane<L> {
-    /// The plane of a low or a high side across `axis`.
+    /// The plane of a low or a high side across `axis`, given where the root's corner is.
     #[inline(always)]
-    fn new(line: &Side<L>, axis: usize, along: usize, is_low: bool) -> Self {
-        let (at, per_z) = (line.at.to_array()[0] * STEPS, line.per_z.to_array()[0]);
+    fn new(line: &Side<L>, axis: usize, along: usize, is_low: bool, corner: [f32; 3]) -> Self {
+        let (at, per_z) = (line.at.to_array()[0], line.per_z.to_array()[0]);
+        let at = at + per_z * corner[along] - corner[axis];
         let is_upper_end = (per_z < 0.0) == is_low;
         let at = at + per_z * if is_upper_end { ABOVE } else { BELOW } - if is_low { ABOVE } else { BELOW };
         Self {
@@ -174,17 +176,17 @@ impl<L: Eight> Plane<L> {
 }
 
 impl<L: Eight> BoxTest<L> {
-    /// For a beam that is the same in all lanes, and its range of axis 2.
+    /// For a beam that is the same in all lanes, and its range of axis 2, given where the root's corner is.
     #[inline(always)]
-    pub(crate) fn new(beam: &Beam<L>, axes: [usize; 3], z: Range<f32>) -> Self {
+    pub(crate) fn new(beam: &Beam<L>, axes: [usize; 3], z: Range<f32>, corner: [f32; 3]) -> Self {
         let [x, y, end] = axes;
         let [across, up] = &beam.sides;
         Self {
-            low: [Plane::new(&across.low, x, end, true), Plane::new(&up.low, y, end, true)],
-            high: [Plane::new(&across.high, x, end, false), Plane::new(&up.high, y, end, false)],
+            low: [Plane::new(&across.low, x, end, true, corner), Plane::new(&up.low, y, end, true, corner)],
+            high: [Plane::new(&across.high, x, end, false, corner), Plane::new(&up.high, y, end, false, corner)],
             ends: [2 * end, 2 * end + 1],
-            first_step: L::splat(z.least * STEPS - ABOVE),
-            last_step: L::splat(z.greatest * STEPS - BELOW),
+            first_step: L::splat(z.least - corner[end] - ABOVE),
+            last_step: L::splat(z.greatest - corner[end] - BELOW),
         }
     }
 

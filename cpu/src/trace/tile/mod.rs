@@ -107,12 +107,12 @@ pub(crate) struct Tile<'a, L: Eight> {
 }
 
 impl<'a, L: Eight> Tile<'a, L> {
-    /// A tile of uniform packets that go with each other; `None` where their rays have too little in common.
+    /// A tile of uniform packets that go with each other, given where the root's corner is; `None` where their rays have too little in common.
     #[inline(always)]
-    pub(crate) fn new(packets: &'a [Packet; PACKETS], tiling: Tiling) -> Option<Self> {
+    pub(crate) fn new(packets: &'a [Packet; PACKETS], corner: [f32; 3], tiling: Tiling) -> Option<Self> {
         let (neg, main_axis) = (packets[0].neg[0], packets[0].main_axis[0]);
         let axes = PERMUTATIONS[main_axis as usize % 3];
-        let z = along::<L>(packets);
+        let z = along::<L>(packets, corner[axes[2]]);
         let (of_packets, of_all) = Beam::around(packets, z, tiling.beam_margin)?;
         let hits = TileHits::new::<L>(packets);
         Some(Self {
@@ -120,11 +120,11 @@ impl<'a, L: Eight> Tile<'a, L> {
             neg,
             order: L::order(neg),
             axes,
-            boxes: BoxTest::new(&of_all, axes, z),
+            boxes: BoxTest::new(&of_all, axes, z, corner),
             of_packets,
             of_all,
             asking: 0xff,
-            entry: EarliestEntry::new(packets, axes[2], neg >> axes[2] & 1 == 1),
+            entry: EarliestEntry::new(packets, axes[2], neg >> axes[2] & 1 == 1, corner[axes[2]]),
             last: hits.last::<L>(),
             hits,
             mailboxes: [NONE; MAILBOXES],
@@ -301,7 +301,7 @@ impl<'a, L: Eight> Tile<'a, L> {
         if !candidates.any() {
             return false;
         }
-        let (accepted, found) = sheared.finish(&shear);
+        let (accepted, found) = sheared.finish(&shear, &triangle);
         let accepted = accepted & candidates;
         let mut nearest = self.hits.packet::<L>(packet);
         nearest.offer(accepted, found.t, found.u, found.v, L::Bits::splat(primitive));

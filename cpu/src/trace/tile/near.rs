@@ -4,25 +4,27 @@ use leafwalk_core::contract::BOX_MARGIN;
 use leafwalk_core::layout::BvhNode;
 use leafwalk_core::unroll;
 
-use super::beam::STEPS;
+use super::beam::EDGE;
 use super::range::Range;
 use crate::lanes::Eight;
 use crate::trace::packet::{PACKETS, Packet};
 
-/// Where along axis 2 rays may hit anything: inside the root, between their ends. Never empty.
+/// Where along axis 2 rays may hit anything: inside the root, whose lower side is at `corner`, between their ends. Never
+/// empty.
 #[inline(always)]
-pub(crate) fn along<L: Eight>(packets: &[Packet; PACKETS]) -> Range<f32> {
-    let starts = Range::of_rows(unroll!(packet in 0..8 => at::<L>(&packets[packet], &packets[packet].t_min)));
-    let ends = Range::of_rows(unroll!(packet in 0..8 => at::<L>(&packets[packet], &packets[packet].t_max)));
+pub(crate) fn along<L: Eight>(packets: &[Packet; PACKETS], corner: f32) -> Range<f32> {
+    let starts = Range::of_rows(unroll!(packet in 0..8 => at::<L>(&packets[packet], &packets[packet].t_min, corner)));
+    let ends = Range::of_rows(unroll!(packet in 0..8 => at::<L>(&packets[packet], &packets[packet].t_max, corner)));
     let Range { least, greatest } = starts.and(ends.least).and(ends.greatest).whole();
     // A lattice step more, which covers the rounding, too.
-    Range { least: least - 1.0 / STEPS, greatest: greatest + 1.0 / STEPS }
+    Range { least: least - 1.0, greatest: greatest + 1.0 }
 }
 
 /// Where along axis 2 rays are at t', as far as it is inside the root.
 #[inline(always)]
-fn at<L: Eight>(rays: &Packet, t: &[f32; 8]) -> L {
-    (L::load(&rays.origin[2]) + L::load(&rays.speed) * L::load(t)).max(L::splat(0.0)).min(L::splat(1.0))
+fn at<L: Eight>(rays: &Packet, t: &[f32; 8], corner: f32) -> L {
+    let place = L::load(&rays.origin[2]) + L::load(&rays.speed) * L::load(t);
+    place.max(L::splat(corner)).min(L::splat(corner + EDGE))
 }
 
 /// The earliest t' at which a tile's rays enter boxes: where the first of them meets their near sides along axis 2.
@@ -30,7 +32,7 @@ pub(crate) struct EarliestEntry<L> {
     axis: usize,
     /// Whether rays meet the upper sides first.
     is_upper: bool,
-    /// The origin closest to what lies ahead, and the box margin, in lattice steps.
+    /// The origin closest to what lies ahead, and the box margin, as seen from the root's corner.
     origin: L,
     /// t' of a lattice step.
     inverse: Range<L>,
@@ -39,12 +41,13 @@ pub(crate) struct EarliestEntry<L> {
 }
 
 impl<L: Eight> EarliestEntry<L> {
+    /// `corner` is where the root's lower side is along the axis.
     #[inline(always)]
-    pub(crate) fn new(packets: &[Packet; PACKETS], axis: usize, is_upper: bool) -> Self {
+    pub(crate) fn new(packets: &[Packet; PACKETS], axis: usize, is_upper: bool, corner: f32) -> Self {
         let origin = Range::of_rows(unroll!(packet in 0..8 => L::load(&packets[packet].origin[2]))).whole();
         let inverse = Range::of_rows(unroll!(packet in 0..8 => L::load(&packets[packet].inverse[axis]))).whole();
-        let margin = BOX_MARGIN * STEPS;
-        let origin = if is_upper { origin.least * STEPS - (1.0 + margin) } else { origin.greatest * STEPS + margin };
+        let origin =
+            if is_upper { origin.least - corner - (1.0 + BOX_MARGIN) } else { origin.greatest - corner + BOX_MARGIN };
         Self {
             axis,
             is_upper,

@@ -9,9 +9,8 @@ struct Slabs {
 
 // core/src/slabs.rs: Slabs::new
 fn slabs_of(origin: vec3<f32>, inverse: vec3<f32>) -> Slabs {
-    let margin = BOX_MARGIN * f32(LATTICE);
-    let lower = -(origin + vec3<f32>(margin)) * inverse;
-    let upper = (vec3<f32>(1.0 + margin) - origin) * inverse;
+    let lower = -(origin + vec3<f32>(BOX_MARGIN)) * inverse;
+    let upper = (vec3<f32>(1.0 + BOX_MARGIN) - origin) * inverse;
     let is_negative = inverse < vec3<f32>(0.0);
     return Slabs(inverse, select(lower, upper, is_negative), select(upper, lower, is_negative));
 }

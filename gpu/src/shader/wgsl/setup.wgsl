@@ -1,4 +1,4 @@
-// Where the octree's sections start.
+// Where the octree's sections start, and its root.
 
 // gpu/src/walk/octree.rs: OctreeSetup
 struct Setup {
@@ -10,6 +10,8 @@ struct Setup {
     zero: u32,
     unused_0: u32,
     unused_1: u32,
+    corner: vec3<f32>,
+    unused_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> setup: Setup;

@@ -1,4 +1,4 @@
-// From a leaf into the neighbour behind the face that the ray leaves it by. All lengths are in lattice steps.
+// From a leaf into the neighbour behind the face that the ray leaves it by. All places are seen from the root's corner.
 
 // core/src/step.rs: Line. What follows from other members in an operation or two takes no registers: `forward` and
 // `upward` are read off `neg`, `exit_origin` off `direction`.
@@ -29,11 +29,10 @@ const AXES: vec3<u32> = vec3<u32>(0u, 1u, 2u);
 
 // core/src/step.rs: Line::new
 fn line_of(ray: CanonicalRay) -> Line {
-    let edge = vec3<f32>(f32(LATTICE));
     let down = select(vec3<u32>(0u), ONE_EACH, ray.direction < vec3<f32>(0.0));
     var line: Line;
-    line.origin = mul3(ray.origin, edge);
-    line.direction = mul3(ray.direction, edge);
+    line.origin = sub3(ray.origin, setup.corner);
+    line.direction = ray.direction;
     line.inverse = inverse(line.direction);
     line.neg = down.x | (down.y << 1u) | (down.z << 2u);
     return line;

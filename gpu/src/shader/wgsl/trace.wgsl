@@ -45,9 +45,8 @@ struct Start {
 // core/src/trace.rs: start
 fn start_of(line: Line, ray: CanonicalRay) -> Start {
     let edge = f32(LATTICE);
-    let margin = PADDING * edge;
-    let a = mul3(sub3(vec3<f32>(-margin), line.origin), line.inverse);
-    let b = mul3(sub3(vec3<f32>(edge + margin), line.origin), line.inverse);
+    let a = mul3(sub3(vec3<f32>(-PADDING), line.origin), line.inverse);
+    let b = mul3(sub3(vec3<f32>(edge + PADDING), line.origin), line.inverse);
     let near = min(a, b);
     let far = max(a, b);
     let first = max(max(sub(ray.t_min, START_MARGIN), near.x), max(near.y, near.z));
@@ -121,7 +120,7 @@ fn test_block(block: u32, shear: Shear, nearest: ptr<function, Nearest>) {
 }
 
 // core/src/trace.rs: Walk::leaf, which returns the number of blocks that it tested.
-fn leaf(first: u32, line: Line, slope: vec3<f32>, nearest: ptr<function, Nearest>) -> u32 {
+fn leaf(first: u32, origin: vec3<f32>, line: Line, slope: vec3<f32>, nearest: ptr<function, Nearest>) -> u32 {
     var number = first;
     var blocks = 0u;
     let slabs = slabs_of(line.origin, line.inverse);
@@ -130,7 +129,7 @@ fn leaf(first: u32, line: Line, slope: vec3<f32>, nearest: ptr<function, Nearest
     if !meets(slabs, hull_side(hull, is_up), hull_side(hull, !is_up), (*nearest).t_min, (*nearest).t) {
         return blocks;
     }
-    let shear = shear_of(line, slope);
+    let shear = shear_of(origin, line.direction, slope);
     while number != NONE {
         let payload = setup.payloads + number * PAYLOAD_QUADS;
         let list = quad(payload + LIST_QUAD);
@@ -160,7 +159,7 @@ override ANY_HIT: bool = false;
 fn advance(line: Line, at: ptr<function, Crossing>, head: vec4<u32>, t: f32) -> bool {
     let rest = quad(setup.records + (*at).record * RECORD_QUADS + 1u);
     let exit = exit_of(line, (*at).cell);
-    let is_done = mul(t, exit.speed) < sub(exit.distance, PADDING * f32(LATTICE));
+    let is_done = mul(t, exit.speed) < sub(exit.distance, PADDING);
     if is_done || link_kind(head.x, exit.face) == LINK_NONE {
         return false;
     }
@@ -189,7 +188,7 @@ fn walk(ray: CanonicalRay) -> Search {
         if t_count(head.x) == 0u {
             break;
         }
-        blocks += leaf(head.y, line, slope, &nearest);
+        blocks += leaf(head.y, ray.origin, line, slope, &nearest);
         if (ANY_HIT && is_hit(nearest)) || !advance(line, &at, head, nearest.t) {
             break;
         }

@@ -28,10 +28,9 @@ fn slope_of(direction: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(divide(d.x, d.z), divide(d.y, d.z), divide(1.0, d.z));
 }
 
-// core/src/triangle.rs: Shear::new, of a line in lattice steps: a power of two away
-fn shear_of(line: Line, slope: vec3<f32>) -> Shear {
-    let axes = permutation(line.direction);
-    let origin = mul3(line.origin, vec3<f32>(1.0 / f32(LATTICE)));
+// core/src/triangle.rs: Shear::new
+fn shear_of(origin: vec3<f32>, direction: vec3<f32>, slope: vec3<f32>) -> Shear {
+    let axes = permutation(direction);
     return Shear(permuted(origin, axes), slope, axes);
 }
 
@@ -95,22 +94,46 @@ fn coordinate(block: u32, corner: u32, axis: u32, lane: u32) -> f32 {
     return bitcast<f32>(word((at << 2u) + lane));
 }
 
-// core/src/triangle.rs: Sheared::new, of one corner of one lane
-fn sheared(shear: Shear, block: u32, corner: u32, lane: u32) -> vec3<f32> {
-    let point = vec3<f32>(
+// core/src/layout/block.rs: Block::corners, one corner of one lane, permuted
+fn permuted_corner(shear: Shear, block: u32, corner: u32, lane: u32) -> vec3<f32> {
+    return vec3<f32>(
         coordinate(block, corner, shear.axes.x, lane),
         coordinate(block, corner, shear.axes.y, lane),
         coordinate(block, corner, shear.axes.z, lane),
     );
+}
+
+// core/src/triangle.rs: Sheared::new, of one corner of one lane
+fn sheared(shear: Shear, point: vec3<f32>) -> vec3<f32> {
     let p = sub3(point, shear.origin);
     return vec3<f32>(sub(p.x, mul(shear.slope.x, p.z)), sub(p.y, mul(shear.slope.y, p.z)), p.z);
 }
 
+// core/src/triangle.rs: in_axis_plane, of a triangle that was accepted; `depths` are t' of its corners
+fn in_axis_plane(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, depths: vec3<f32>, t: f32) -> f32 {
+    let is_x = a.x == b.x && a.x == c.x;
+    let is_y = a.y == b.y && a.y == c.y;
+    let slope = select(shear.slope.y, shear.slope.x, is_x);
+    if !(is_x || is_y) || slope == 0.0 {
+        return t;
+    }
+    let height = select(sub(a.y, shear.origin.y), sub(a.x, shear.origin.x), is_x);
+    let met = mul(divide(height, slope), shear.slope.z);
+    let size = abs(depths);
+    let slack = mul(max(size.x, max(size.y, size.z)), PLANE_SLACK);
+    return max(sub(t, slack), min(met, add(t, slack)));
+}
+
 // core/src/triangle.rs: Sheared::finish
 fn finish(shear: Shear, block: u32, lane: u32) -> Candidate {
-    let a = sheared(shear, block, 0u, lane);
-    let b = sheared(shear, block, 1u, lane);
-    let c = sheared(shear, block, 2u, lane);
+    let corners = array<vec3<f32>, 3>(
+        permuted_corner(shear, block, 0u, lane),
+        permuted_corner(shear, block, 1u, lane),
+        permuted_corner(shear, block, 2u, lane),
+    );
+    let a = sheared(shear, corners[0]);
+    let b = sheared(shear, corners[1]);
+    let c = sheared(shear, corners[2]);
     let ax = flush(a.x, SMALLEST_SHEARED);
     let bx = flush(b.x, SMALLEST_SHEARED);
     let cx = flush(c.x, SMALLEST_SHEARED);
@@ -131,6 +154,7 @@ fn finish(shear: Shear, block: u32, lane: u32) -> Candidate {
     let az = mul(shear.slope.z, a.z);
     let bz = mul(shear.slope.z, b.z);
     let cz = mul(shear.slope.z, c.z);
-    let t = add(az, add(mul(of_b, sub(bz, az)), mul(of_c, sub(cz, az))));
+    let by_weights = add(az, add(mul(of_b, sub(bz, az)), mul(of_c, sub(cz, az))));
+    let t = in_axis_plane(shear, corners[0], corners[1], corners[2], vec3<f32>(az, bz, cz), by_weights);
     return Candidate(true, flush(t, SMALLEST), flush(of_b, SMALLEST), flush(of_c, SMALLEST));
 }
