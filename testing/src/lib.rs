@@ -9,6 +9,8 @@
 //! | [`tracers`] | tracers that differ from those that serve, and tracers with names |
 //! | [`number`] | f32 with its arithmetic broken in one place |
 //! | [`tally`] | what a check of many rays found, and how many rays it takes |
+//! | [`truth`] | what rays hit, decided exactly on the caller's own mesh, and what is to be said of an answer |
+//! | [`wide`] | scenes whose extent is far larger than what is looked at |
 //! | [`properties`] | what holds for any bytes, as fuzz targets and tests demand it |
 //! | [`shell`] | the command, run in a folder of its own |
 //!
@@ -25,4 +27,6 @@ pub mod scenes;
 pub mod shell;
 pub mod tally;
 pub mod tracers;
+pub mod truth;
+pub mod wide;
 pub mod workloads;

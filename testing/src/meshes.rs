@@ -178,6 +178,13 @@ pub fn placed(mesh: &Mesh, scale: f32, offset: f32) -> Mesh {
     Mesh { positions: mesh.positions.iter().map(move_to).collect(), ..mesh.clone() }
 }
 
+/// Adds another mesh's triangles to a mesh, as they are.
+pub fn append(mesh: &mut Mesh, other: &Mesh) {
+    let first = mesh.positions.len() as u32;
+    mesh.positions.extend(&other.positions);
+    mesh.triangles.extend(other.triangles.iter().map(|triangle| triangle.map(|index| first + index)));
+}
+
 /// A mesh turned about all axes by angles without meaning: what was flat or straight rounds off its plane or line.
 pub fn turned(mesh: &Mesh) -> Mesh {
     let mut mesh = mesh.clone();

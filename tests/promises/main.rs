@@ -10,4 +10,5 @@ mod oracle;
 mod same_answer;
 mod scenes;
 mod spawn;
+mod truth;
 mod watertight;

@@ -7,4 +7,5 @@ mod links;
 mod padding;
 mod spawn;
 mod stop;
+mod truth;
 mod vertices;

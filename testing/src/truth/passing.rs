@@ -1,0 +1,125 @@
+//! How far an answer is from the truth, beside how far docs/contract.md says that rounding may take it.
+//!
+//! The contract's errors come from the distances between the ray's origin and the triangle's corners. So they are a
+//! share of M, the largest component of any of these distances, whatever the size of the scene: *e2* across the ray, and *ez*
+//! along its main axis.
+
+use glam::{DVec2, DVec3};
+use leafwalk_core::Ray;
+use leafwalk_core::contract::ROUNDOFF;
+
+use super::Oracle;
+use super::line::Line;
+
+/// e2 over M: how far beside a ray a triangle may lie that is hit, on each axis across the main axis ("The lateral
+/// error e2").
+pub const LATERAL_ERROR: f64 = 6.0 * ROUNDOFF as f64;
+/// ez, of which one part grows with M, and one with the depth of the triangle itself, since weights multiply differences of
+/// the corners' depths ("The depth error ez").
+const DEPTH_ERROR: [f64; 2] = [4.0 * ROUNDOFF as f64, 11.0 * ROUNDOFF as f64];
+/// Half the smallest number of f32: so far the rounding of a reported t may move it, however small it is.
+const LEAST_ROUNDING: f64 = 1.0 / (1u128 << 75) as f64 / (1u128 << 75) as f64;
+
+/// How far an answer is from the truth, in what is allowed: above 1 it is at fault.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Excess {
+    /// How far the ray passes beside the triangle that was answered, or inside one that was lost.
+    pub lateral: f64,
+    /// How far the answered t is from that of the triangle's plane.
+    pub depth: f64,
+}
+
+impl Excess {
+    /// The larger of each.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self { lateral: self.lateral.max(other.lateral), depth: self.depth.max(other.depth) }
+    }
+
+    /// Whether it is more than allowed.
+    pub fn is_fault(&self) -> bool {
+        self.lateral.max(self.depth) > 1.0
+    }
+}
+
+/// A line beside a triangle.
+struct Passing {
+    /// How far inside the nearest edge the line passes, on the axis on which that is nearest; negative: outside.
+    inside: f64,
+    /// How far beside the triangle a line may pass that hits it: e2.
+    lateral: f64,
+    /// The t of its plane.
+    t: f64,
+    /// How far t may be off.
+    error: f64,
+}
+
+impl Passing {
+    /// `least` is an error that every length may have.
+    fn new(line: &Line, corners: &[DVec3; 3], least: f64) -> Self {
+        let axis = line.direction.abs().max_position();
+        let permuted = |v: DVec3| DVec3::new(v[(axis + 1) % 3], v[(axis + 2) % 3], v[axis]);
+        let direction = permuted(line.direction);
+        let slope = direction.truncate() / direction.z;
+        let seen = corners.map(|corner| permuted(corner - line.origin));
+        let reach = seen.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
+        let sheared = seen.map(|corner| corner.truncate() - slope * corner.z);
+        let depths = seen.map(|corner| corner.z);
+        let depth = depths.into_iter().fold(f64::MIN, f64::max) - depths.into_iter().fold(f64::MAX, f64::min);
+
+        let [a, b, c] = seen;
+        let normal = (b - a).cross(c - a);
+        let along = normal.dot(slope.extend(1.0));
+        let lateral = LATERAL_ERROR * reach + least;
+        // How steeply the plane rises along the ray, per step across it.
+        let steepness = (normal.x.abs() + normal.y.abs()) / along.abs();
+        let t = normal.dot(a) / along / direction.z;
+        let along_main_axis = DEPTH_ERROR[0] * reach + DEPTH_ERROR[1] * depth + least + lateral * steepness;
+        let error = along_main_axis / direction.z.abs() + f64::from(ROUNDOFF) * t.abs() + LEAST_ROUNDING;
+        Self { inside: inside(&sheared), lateral, t, error }
+    }
+}
+
+/// How far the origin is inside a triangle, by the larger of two coordinates; negative: outside.
+///
+/// The points that are within some distance of a convex polygon, by the larger coordinate, are bounded by its own
+/// edges and by its box, both moved by that distance: moved along its larger component's axis, an edge with the components x
+/// and y comes nearer by the distance times |x| + |y|.
+fn inside(corners: &[DVec2; 3]) -> f64 {
+    let [a, b, c] = *corners;
+    let turn = (b - a).perp_dot(c - a).signum();
+    let edges = [(a, b), (b, c), (c, a)].into_iter().filter(|(p, q)| p != q);
+    let inside_edges = edges.map(|(p, q)| turn * p.perp_dot(q) / (q - p).abs().element_sum()).fold(f64::MAX, f64::min);
+    let (lower, upper) = (a.min(b).min(c), a.max(b).max(c));
+    inside_edges.min((-lower).min_element()).min(upper.min_element())
+}
+
+impl Oracle {
+    /// How far the answer that a ray has its closest hit at `t` on a triangle, or none, is from the truth. Every length may
+    /// also be off by `least`.
+    pub fn excess(&self, ray: &Ray, answer: Option<(f32, u32)>, least: f64) -> Excess {
+        let Some(line) = Line::of(ray) else { return Excess::default() };
+        let mut excess = Excess::default();
+        let mut before = f64::INFINITY;
+        if let Some((t, primitive)) = answer {
+            let passing = Passing::new(&line, &self.triangles[primitive as usize], least);
+            excess.lateral = (-passing.inside / passing.lateral).max(0.0);
+            // A ray in the plane of a triangle has no t, and a t beyond all numbers of f32 is not reported.
+            if passing.error.is_finite() && t.abs() < f32::MAX {
+                excess.depth = (f64::from(t) - passing.t).abs() / passing.error;
+                before = f64::from(t) - passing.error;
+            }
+        }
+        let to = line.to.min(before);
+        self.hierarchy.visit(&Line { to, ..line }, |corners, _, _| {
+            if line.crossing(corners).is_none() {
+                return;
+            }
+            let lost = Passing::new(&line, corners, least);
+            if line.from < lost.t - lost.error && lost.t + lost.error < to {
+                excess.lateral = excess.lateral.max(lost.inside / lost.lateral);
+            }
+        });
+        excess
+    }
+}

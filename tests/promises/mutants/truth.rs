@@ -1,0 +1,42 @@
+//! The mutant whose vertices are rounded to a lattice across the scene, as a frame would that counts from the scene's
+//! corner.
+
+use leafwalk::{Builder, CpuTracer, Mesh};
+use leafwalk_core::contract::ROUNDOFF;
+use leafwalk_testing::random::Random;
+use leafwalk_testing::tally::{Tally, scaled};
+use leafwalk_testing::truth::Oracle;
+use leafwalk_testing::{meshes, rays, wide};
+
+use crate::truth::faults;
+
+/// Vertices at whole roundoffs of the root's edge.
+fn rounded(mesh: &Mesh) -> Mesh {
+    let octree = Builder::new().build(mesh).expect("a mesh that builds");
+    let step = f64::from(ROUNDOFF) * octree.frame().scale();
+    let round = |c: f32| ((f64::from(c) / step).round() * step) as f32;
+    Mesh { positions: mesh.positions.iter().map(|p| p.map(round)).collect(), ..mesh.clone() }
+}
+
+/// What the promise's check says of rays at a mesh that another one stands for.
+fn against(mesh: &Mesh, traced: &Mesh, ray: impl Fn(&mut Random) -> leafwalk::Ray + Sync) -> Tally {
+    let octree = Builder::new().build(traced).expect("a mesh that builds");
+    faults(&CpuTracer::new(octree.view()), &Oracle::new(mesh), 0.0, &ray, scaled(4000), 96).0
+}
+
+#[test]
+fn vertices_rounded_across_the_scene() {
+    let scene = wide::all().into_iter().find(|scene| scene.name.contains("stadium of 1e4")).expect("the stadium");
+    let source = |random: &mut Random| scene.ray(random);
+    against(&scene.mesh, &scene.mesh, source).passes("the stadium as it is, truth", 0.05);
+    against(&scene.mesh, &rounded(&scene.mesh), source).catches("vertices rounded across the stadium");
+
+    // Where the scene is no larger than what is looked at, close starts tell.
+    let mesh = meshes::icosphere(4);
+    let close = |random: &mut Random| {
+        let at = rays::point_on(&mesh, rays::Target::Inside, random);
+        leafwalk::Ray::new(at.map(|c| 1.001 * c), at.map(|c| -c))
+    };
+    against(&mesh, &mesh, close).passes("the sphere as it is, truth", 0.05);
+    against(&mesh, &rounded(&mesh), close).catches("vertices rounded across the sphere");
+}
