@@ -2,6 +2,7 @@
 
 use leafwalk::{Builder, Mesh};
 use leafwalk_rivals::{Rival, ours, timed_by_wall};
+use leafwalk_testing::truth::Counts;
 
 use crate::report::{Measure, Row};
 
@@ -25,9 +26,8 @@ pub(crate) fn run(rounds: u32, scene: &str, mesh: &Mesh, tracers: &[Box<dyn Riva
         tracer: tracer.into(),
         is_ours,
         seconds,
-        rays: 0,
         hits: 0,
-        wrong: 0,
+        counts: Counts::default(),
         bytes,
     };
     let one = tracers.iter().zip(times).filter(|(_, times)| !times.is_empty());

@@ -10,23 +10,23 @@ mod builds;
 mod race;
 mod report;
 mod table;
-mod truth;
 
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use leafwalk::{Builder, Mesh};
-use leafwalk_rivals::{Rival, bvh, obvhs, ours, parry};
-use leafwalk_testing::workloads;
+use leafwalk_rivals::ours;
+use leafwalk_testing::truth::Oracle;
+use leafwalk_testing::{scenes::REAL, workloads};
 
+use race::Judge;
 use report::{Measure, Report, Row};
 use table::Table;
-use truth::Truth;
 
 /// Measures tracers beside each other.
 #[derive(Parser)]
 struct Arguments {
-    /// bunny, armadillo, dragon, conference; all by default.
+    /// bunny, armadillo, dragon, conference, sponza; all by default.
     scenes: Vec<String>,
     /// Only rivals with one of these in their names, comma-separated; ours run always.
     #[arg(long, value_delimiter = ',')]
@@ -104,24 +104,18 @@ fn default_path() -> PathBuf {
 
 /// Real scenes by the name of their file, or a sphere where there are none.
 fn scenes(names: &[String]) -> Vec<(String, Mesh, bool)> {
-    let files = [
-        ("bunny", "bunny.ply.gz", false),
-        ("armadillo", "armadillo_346k_resampled.ply.gz", false),
-        ("dragon", "dragon.ply.gz", false),
-        ("conference", "conference.obj.gz", true),
-    ];
     for name in names {
-        if !files.iter().any(|(_, file, _)| file.starts_with(name)) {
-            fail(2, &format!("no scene is called {name}: give bunny, armadillo, dragon or conference"));
+        if !REAL.iter().any(|real| real.name.starts_with(name)) {
+            fail(2, &format!("no scene is called {name}: give one of {}", REAL.map(|real| real.name).join(", ")));
         }
     }
-    let mut scenes: Vec<_> = files
+    let mut scenes: Vec<_> = REAL
         .into_iter()
-        .filter(|(_, file, _)| names.is_empty() || names.iter().any(|name| file.starts_with(name)))
-        .filter_map(|(name, file, inside)| {
-            let path = leafwalk_testing::scenes::real(file, name)?;
+        .filter(|real| names.is_empty() || names.iter().any(|name| real.name.starts_with(name)))
+        .filter_map(|real| {
+            let path = leafwalk_testing::scenes::real(real.file, real.name)?;
             let mesh = leafwalk::load_mesh(&path).expect("a readable scene").mesh;
-            Some((name.to_string(), mesh, inside))
+            Some((real.name.to_string(), mesh, real.inside))
         })
         .collect();
     if scenes.is_empty() {
@@ -142,16 +136,18 @@ fn measure(arguments: &Arguments, scene: &str, mesh: &Mesh, inside: bool) -> Rep
         stats.leaves
     );
     let mut tracers = ours::all(&octree, &compact);
-    tracers.extend(rivals(mesh).into_iter().filter(|rival| arguments.wants(rival.name())));
+    tracers.extend(leafwalk_rivals::all(mesh).into_iter().filter(|rival| arguments.wants(rival.name())));
     for row in builds::run(arguments.build_rounds, scene, mesh, &tracers) {
         report.add(row);
     }
     report.print(Measure::is_build);
+    let oracle = Oracle::new(mesh);
     for workload in workloads::all(&octree, mesh, inside, arguments.side) {
-        let mut truth = Truth::new(&octree, mesh, &workload.rays);
+        let rays = &workload.rays;
+        let judge = Judge { truths: oracle.closest_hits(rays), oracle: &oracle, rays };
         let runs = match workload.is_occlusion {
-            true => race::run(arguments.rounds, &tracers, &mut truth, |rival| rival.occluded(&workload.rays)),
-            false => race::run(arguments.rounds, &tracers, &mut truth, |rival| rival.closest(&workload.rays)),
+            true => race::run(arguments.rounds, &tracers, &judge, |rival| rival.occluded(rays)),
+            false => race::run(arguments.rounds, &tracers, &judge, |rival| rival.closest(rays)),
         };
         for (rival, run) in tracers.iter().zip(runs) {
             report.add(Row {
@@ -161,32 +157,12 @@ fn measure(arguments: &Arguments, scene: &str, mesh: &Mesh, inside: bool) -> Rep
                 tracer: rival.name().into(),
                 is_ours: rival.is_ours(),
                 seconds: run.seconds,
-                rays: workload.rays.len(),
                 hits: run.hits,
-                wrong: run.wrong,
+                counts: run.counts,
                 bytes: None,
             });
         }
         report.print(|measure| measure == Measure::Rays(workload.name));
     }
     report
-}
-
-/// All tracers but ours that this build knows.
-fn rivals(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
-    #[allow(unused_mut, reason = "features add to it")]
-    let mut rivals: Vec<Box<dyn Rival>> = vec![
-        Box::new(obvhs::Cwbvh::new(mesh).0),
-        Box::new(obvhs::Binary::new(mesh).0),
-        Box::new(parry::Parry::new(mesh).0),
-        Box::new(bvh::Plain::new(mesh).0),
-    ];
-    #[cfg(feature = "embree")]
-    rivals.extend(leafwalk_rivals::embree::all(mesh, &leafwalk_rivals::embree::SETTINGS));
-    #[cfg(feature = "tinybvh")]
-    match leafwalk_rivals::tinybvh::Bvh8::new(mesh) {
-        Some((bvh, _)) => rivals.push(Box::new(bvh)),
-        None => println!("skipped: tinybvh: this CPU has no AVX2 and FMA"),
-    }
-    rivals
 }

@@ -1,29 +1,36 @@
 //! Tracers on the same rays, in turns.
 
+use leafwalk::Ray;
 use leafwalk_rivals::{Answer, Prepared, Rival, timed};
-
-use crate::truth::Truth;
+use leafwalk_testing::truth::{Counts, Hit, Oracle, Verdict};
 
 /// What a tracer did with a workload.
 pub(crate) struct Run {
     /// One time a round.
     pub(crate) seconds: Vec<f64>,
     pub(crate) hits: usize,
-    pub(crate) wrong: usize,
+    pub(crate) counts: Counts,
+}
+
+/// Knows the truth about a workload.
+pub(crate) struct Judge<'a> {
+    pub(crate) oracle: &'a Oracle,
+    pub(crate) rays: &'a [Ray],
+    pub(crate) truths: Vec<Option<Hit>>,
 }
 
 /// Something that can be right or wrong.
 pub(crate) trait Judged {
     fn is_hit(&self) -> bool;
-    fn is_wrong(&self, truth: &mut Truth<'_>, ray: usize) -> bool;
+    fn verdict(&self, judge: &Judge<'_>, ray: usize) -> Verdict;
 }
 
 impl Judged for Answer {
     fn is_hit(&self) -> bool {
         self.t != f32::INFINITY
     }
-    fn is_wrong(&self, truth: &mut Truth<'_>, ray: usize) -> bool {
-        truth.is_wrong_hit(ray, *self)
+    fn verdict(&self, judge: &Judge<'_>, ray: usize) -> Verdict {
+        judge.oracle.judge(&judge.rays[ray], judge.truths[ray].as_ref(), self.t, self.primitive)
     }
 }
 
@@ -31,8 +38,8 @@ impl Judged for bool {
     fn is_hit(&self) -> bool {
         *self
     }
-    fn is_wrong(&self, truth: &mut Truth<'_>, ray: usize) -> bool {
-        truth.is_wrong_occlusion(ray, *self)
+    fn verdict(&self, judge: &Judge<'_>, ray: usize) -> Verdict {
+        Verdict::on_occlusion(judge.truths[ray].as_ref(), *self)
     }
 }
 
@@ -43,7 +50,7 @@ impl Judged for bool {
 pub(crate) fn run<'a, A: Judged>(
     rounds: u32,
     tracers: &'a [Box<dyn Rival + '_>],
-    truth: &mut Truth<'_>,
+    judge: &Judge<'_>,
     prepare: impl Fn(&'a dyn Rival) -> Box<dyn Prepared<A> + 'a>,
 ) -> Vec<Run> {
     let mut prepared: Vec<_> = tracers.iter().map(|rival| prepare(&**rival)).collect();
@@ -54,8 +61,8 @@ pub(crate) fn run<'a, A: Judged>(
         batch.trace();
         let answers = batch.answers();
         let hits = answers.iter().filter(|answer| answer.is_hit()).count();
-        let wrong = (0..).zip(&answers).filter(|(ray, answer)| answer.is_wrong(truth, *ray)).count();
-        runs.push(Run { seconds: Vec::new(), hits, wrong });
+        let counts = Counts::of((0..).zip(&answers).map(|(ray, answer)| answer.verdict(judge, ray)));
+        runs.push(Run { seconds: Vec::new(), hits, counts });
         if rival.is_ours() {
             let hash = batch.hash().expect("ours hash their answers");
             let (first, expected) = *ours.get_or_insert((rival.name(), hash));

@@ -3,9 +3,10 @@
 use crate::table::Table;
 use leafwalk_rivals::ours;
 use leafwalk_rivals::quantile;
+use leafwalk_testing::truth::{Counts, per_million};
 
 /// The columns of the CSV, before those for the ratios of ours to the row's tracer.
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 19] = [
     "scene",
     "triangles",
     "measure",
@@ -18,8 +19,17 @@ const COLUMNS: [&str; 13] = [
     "rays",
     "hits",
     "wrong",
+    "missed",
+    "false",
+    "neighbours",
+    "faults_per_million",
+    "faults_at_least",
+    "faults_at_most",
     "bytes_per_triangle",
 ];
+
+/// Counts of answers; then those at fault of a million, and between which two that is with 95 % confidence.
+const HEAD: &str = "     hits  wrong missed  false   faults, per million      ";
 
 /// All columns of the CSV.
 pub(crate) fn columns() -> Vec<String> {
@@ -62,10 +72,9 @@ pub(crate) struct Row {
     pub(crate) is_ours: bool,
     /// One time a round; rounds of the rows of one measurement belong together.
     pub(crate) seconds: Vec<f64>,
-    /// 0 for a build, as the next two.
-    pub(crate) rays: usize,
+    /// 0 for a build, as all counts.
     pub(crate) hits: usize,
-    pub(crate) wrong: usize,
+    pub(crate) counts: Counts,
     /// Bytes of the structure.
     pub(crate) bytes: Option<usize>,
 }
@@ -73,7 +82,8 @@ pub(crate) struct Row {
 impl Row {
     /// A quantile of the times, in seconds for a build, else of the speeds, in Mrays/s.
     fn quantile(&self, at: f64) -> f64 {
-        let rate = |seconds: &f64| if self.measure.is_build() { *seconds } else { self.rays as f64 / seconds / 1e6 };
+        let rate =
+            |seconds: &f64| if self.measure.is_build() { *seconds } else { self.counts.rays as f64 / seconds / 1e6 };
         quantile(self.seconds.iter().map(rate).collect(), at)
     }
 
@@ -95,9 +105,19 @@ impl Row {
         quantile(self.seconds.iter().zip(&other.seconds).map(|(own, other)| other / own).collect(), 0.5)
     }
 
+    /// Under [`HEAD`].
+    fn judged(&self) -> String {
+        let Counts { rays, wrong, missed, not_there, .. } = self.counts;
+        let [share, low, high] = per_million(self.counts.faults(), rays);
+        format!("{:>9} {wrong:>6} {missed:>6} {not_there:>6} {share:>9.2} {low:>7.2} {high:>9.2}", self.hits)
+    }
+
     /// As [`COLUMNS`] says.
     fn cells(&self) -> [String; COLUMNS.len()] {
-        let of_rays = |count: usize| cell((!self.measure.is_build()).then_some(count));
+        let of_rays = |count: u64| cell((!self.measure.is_build()).then_some(count));
+        let Counts { rays, neighbours, wrong, missed, not_there } = self.counts;
+        let faults = per_million(self.counts.faults(), rays).map(|x| cell((!self.measure.is_build()).then_some(x)));
+        let [per_million, at_least, at_most] = faults;
         [
             self.scene.clone(),
             self.triangles.to_string(),
@@ -108,9 +128,15 @@ impl Row {
             self.median().to_string(),
             self.quantile(0.25).to_string(),
             self.quantile(0.75).to_string(),
-            of_rays(self.rays),
-            of_rays(self.hits),
-            of_rays(self.wrong),
+            of_rays(rays),
+            of_rays(self.hits as u64),
+            of_rays(wrong),
+            of_rays(missed),
+            of_rays(not_there),
+            of_rays(neighbours),
+            per_million,
+            at_least,
+            at_most,
             cell(self.bytes_per_triangle()),
         ]
     }
@@ -138,11 +164,11 @@ impl Report {
         let is_build = first.measure.is_build();
         let ours: Vec<&str> = self.ours(first).iter().map(|row| row.tracer.as_str()).collect();
         let ratios: String = ours.iter().map(|name| format!(" {:>18}", over(name))).collect();
-        let counts = if is_build { "   bytes/triangle".into() } else { format!("{:>9} {:>7}", "hits", "wrong") };
+        let counts = if is_build { "   bytes/triangle".into() } else { HEAD.into() };
         println!("\n{:>18} {:>26} {:>9} {:>17} {counts}{ratios}", first.scene, "", first.unit(), "quartiles");
         for row in rows {
             let counts = match (is_build, row.bytes_per_triangle()) {
-                (false, _) => format!("{:>9} {:>7}", row.hits, row.wrong),
+                (false, _) => row.judged(),
                 (true, Some(bytes)) => format!("{bytes:>17.1}"),
                 (true, None) => format!("{:>17}", ""),
             };

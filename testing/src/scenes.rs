@@ -25,6 +25,25 @@ pub fn made() -> Vec<(&'static str, Mesh)> {
     ]
 }
 
+/// A real scene that benches measure with.
+pub struct Real {
+    /// As it is called.
+    pub name: &'static str,
+    /// Its file in the folder.
+    pub file: &'static str,
+    /// Whether it is seen from inside, as a room is.
+    pub inside: bool,
+}
+
+/// All of them.
+pub const REAL: [Real; 5] = [
+    Real { name: "bunny", file: "bunny.ply.gz", inside: false },
+    Real { name: "armadillo", file: "armadillo_346k_resampled.ply.gz", inside: false },
+    Real { name: "dragon", file: "dragon.ply.gz", inside: false },
+    Real { name: "conference", file: "conference.obj.gz", inside: true },
+    Real { name: "sponza", file: "sponza.obj.gz", inside: true },
+];
+
 /// The path of a real scene, or `None` with a line that says what is skipped.
 pub fn real(name: &str, purpose: &str) -> Option<PathBuf> {
     let path = std::env::var_os("LEAFWALK_SCENES").map(|folder| PathBuf::from(folder).join(name));

@@ -43,6 +43,7 @@ pub fn all() -> Vec<Wide> {
     scenes.extend([1e-3, 1e-5, 1e-6, 5e-8, 1e-17].map(start_above_square));
     scenes.extend([100.0, 1e4, 1e6].map(stadium));
     let placed = [(1.0, 1e6), (1.0, 1.5), (1.4e38, 0.0), (1e37, 2e38), (1e-38, 0.0), (1e-42, 0.0), (1e-42, 1e-38)];
+    scenes.push(beside_a_binade());
     scenes.extend(placed.map(|(size, offset)| placed_sphere(size, offset)));
     scenes
 }
@@ -73,9 +74,8 @@ fn low_terrain([lower, upper]: [f32; 2]) -> Wide {
     const SIDE: u32 = 64;
     let place = |i: u32| 2000.0 * (i as f32 / SIDE as f32 - 0.5);
     let height = |i: u32| lower + (upper - lower) * Random::new(61, i.into()).unit();
-    let positions = (0..(SIDE + 1) * (SIDE + 1))
-        .map(|i| [place(i % (SIDE + 1)), place(i / (SIDE + 1)), height(i)])
-        .collect();
+    let positions =
+        (0..(SIDE + 1) * (SIDE + 1)).map(|i| [place(i % (SIDE + 1)), place(i / (SIDE + 1)), height(i)]).collect();
     let corners = |i: u32| {
         let a = i / SIDE * (SIDE + 1) + i % SIDE;
         [[a, a + 1, a + SIDE + 2], [a, a + SIDE + 2, a + SIDE + 1]]
@@ -136,6 +136,17 @@ fn placed_sphere(size: f32, offset: f32) -> Wide {
         let (origin, target) = (around(1.5, random), around(1.0, random));
         // Half of each, since the difference of two large numbers may be none.
         Ray::new(origin, core::array::from_fn(|k| 0.5 * target[k] - 0.5 * origin[k]))
+    })
+}
+
+/// A speck at 1 in a scene from 1 to 2, seen from just below 1, where numbers lie closer.
+fn beside_a_binade() -> Wide {
+    let mut mesh = meshes::placed(&meshes::bumpy_sphere(2, 65), 1e-4, 1.000_101);
+    let far = Mesh::new(vec![[2.0, 2.0, 2.0], [1.5, 2.0, 2.0], [2.0, 1.5, 2.0]], vec![[0, 1, 2]]);
+    meshes::append(&mut mesh, &far);
+    Wide::new("speck at 1, scene to 2, seen from below 1".into(), mesh, |random| {
+        let origin = core::array::from_fn(|_| 1.0 - 1e-4 * random.unit());
+        rays::towards(origin, random.vector().map(|c| 1.0001 + 1e-4 * c))
     })
 }
 

@@ -24,6 +24,34 @@ pub mod triangle;
 
 pub use quantile::quantile;
 
+/// All tracers but ours that this build knows.
+pub fn all(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
+    let mut rivals: Vec<Box<dyn Rival>> = vec![
+        Box::new(obvhs::Cwbvh::new(mesh).0),
+        Box::new(obvhs::Binary::new(mesh).0),
+        Box::new(parry::Parry::new(mesh).0),
+        Box::new(bvh::Plain::new(mesh).0),
+    ];
+    rivals.extend(for_any_extent(mesh));
+    #[cfg(feature = "tinybvh")]
+    match tinybvh::Bvh8::new(mesh) {
+        Some((bvh, _)) => rivals.push(Box::new(bvh)),
+        None => println!("skipped: tinybvh: this CPU has no AVX2 and FMA"),
+    }
+    rivals
+}
+
+/// Those that take meshes of any extent: others end with a panic when the finite numbers of a mesh are very large or small.
+pub fn for_any_extent(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
+    #[cfg(feature = "embree")]
+    return embree::all(mesh, &embree::SETTINGS);
+    #[cfg(not(feature = "embree"))]
+    {
+        let _ = mesh;
+        Vec::new()
+    }
+}
+
 /// The closest hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {

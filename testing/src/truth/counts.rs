@@ -35,6 +35,13 @@ impl Counts {
         }
     }
 
+    /// Of many answers.
+    pub fn of(verdicts: impl Iterator<Item = Verdict>) -> Self {
+        let mut counts = Self::default();
+        verdicts.for_each(|verdict| counts.add(verdict));
+        counts
+    }
+
     /// All that are at fault.
     pub fn faults(&self) -> u64 {
         self.wrong + self.missed + self.not_there

@@ -30,9 +30,8 @@ impl Exact {
         let origin = line.origin.to_array();
         let points = corners.map(|corner| corner.to_array());
         let length = points.as_flattened().iter().chain(&origin).map(|c| exponent(*c)).min().unwrap_or(0);
-        let from_origin = |point: [f64; 3]| {
-            core::array::from_fn(|k| integer(point[k], length) - integer(origin[k], length))
-        };
+        let from_origin =
+            |point: [f64; 3]| core::array::from_fn(|k| integer(point[k], length) - integer(origin[k], length));
         let direction = line.direction.to_array();
         let unit = direction.iter().map(|c| exponent(*c)).min().unwrap_or(0);
         Self {

@@ -214,7 +214,8 @@ fn split(items: &mut [Item]) -> usize {
             for (at, border) in order {
                 bounds = bounds.join(bins[at].0);
                 count += bins[at].1;
-                costs[border] += if count == 0 { f64::INFINITY } else { bounds.half_area() * (count as f64 + STEP_COST) };
+                costs[border] +=
+                    if count == 0 { f64::INFINITY } else { bounds.half_area() * (count as f64 + STEP_COST) };
             }
         };
         sweep(&mut (0..BINS - 1).map(|at| (at, at + 1)));

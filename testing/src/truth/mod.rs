@@ -65,6 +65,17 @@ pub enum Verdict {
     False,
 }
 
+impl Verdict {
+    /// On the answer whether a ray hits anything.
+    pub fn on_occlusion(truth: Option<&Hit>, occluded: bool) -> Self {
+        match (truth.is_some(), occluded) {
+            (true, false) => Self::Missed,
+            (false, true) => Self::False,
+            _ => Self::Right,
+        }
+    }
+}
+
 impl Oracle {
     /// Of the triangles of a mesh.
     pub fn new(mesh: &Mesh) -> Self {

@@ -25,7 +25,7 @@ const LEAST_ROUNDING: f64 = 1.0 / (1u128 << 75) as f64 / (1u128 << 75) as f64;
 pub struct Excess {
     /// How far the ray passes beside the triangle that was answered, or inside one that was lost.
     pub lateral: f64,
-    /// How far the answered t is from that of the triangle's plane.
+    /// How far the answered t is from that of the triangle's plane, or from those of its corners.
     pub depth: f64,
 }
 
@@ -50,8 +50,12 @@ struct Passing {
     lateral: f64,
     /// The t of its plane.
     t: f64,
-    /// How far t may be off.
+    /// How far t may be off; infinite, or no number, where the line runs in the plane.
     error: f64,
+    /// The t of its first and last corners.
+    range: [f64; 2],
+    /// How far t may be outside of them.
+    range_error: f64,
 }
 
 impl Passing {
@@ -64,8 +68,9 @@ impl Passing {
         let seen = corners.map(|corner| permuted(corner - line.origin));
         let reach = seen.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
         let sheared = seen.map(|corner| corner.truncate() - slope * corner.z);
-        let depths = seen.map(|corner| corner.z);
-        let depth = depths.into_iter().fold(f64::MIN, f64::max) - depths.into_iter().fold(f64::MAX, f64::min);
+        let depths = DVec3::from_array(seen.map(|corner| corner.z));
+        let depth = depths.max_element() - depths.min_element();
+        let ends = depths / direction.z;
 
         let [a, b, c] = seen;
         let normal = (b - a).cross(c - a);
@@ -74,10 +79,22 @@ impl Passing {
         // How steeply the plane rises along the ray, per step across it.
         let steepness = (normal.x.abs() + normal.y.abs()) / along.abs();
         let t = normal.dot(a) / along / direction.z;
-        let along_main_axis = DEPTH_ERROR[0] * reach + DEPTH_ERROR[1] * depth + least + lateral * steepness;
-        let error = along_main_axis / direction.z.abs() + f64::from(ROUNDOFF) * t.abs() + LEAST_ROUNDING;
-        Self { inside: inside(&sheared), lateral, t, error }
+        let along_main_axis = DEPTH_ERROR[0] * reach + DEPTH_ERROR[1] * depth + least;
+        let error = |along_main_axis: f64, t: f64| along_main_axis / direction.z.abs() + rounding(t);
+        Self {
+            inside: inside(&sheared),
+            lateral,
+            t,
+            error: error(along_main_axis + lateral * steepness, t),
+            range: [ends.min_element(), ends.max_element()],
+            range_error: error(along_main_axis, ends.abs().max_element()),
+        }
     }
+}
+
+/// How far rounding may move a reported t.
+fn rounding(t: f64) -> f64 {
+    f64::from(ROUNDOFF) * t.abs() + LEAST_ROUNDING
 }
 
 /// How far the origin is inside a triangle, by the larger of two coordinates; negative: outside.
@@ -104,11 +121,16 @@ impl Oracle {
         if let Some((t, primitive)) = answer {
             let passing = Passing::new(&line, &self.triangles[primitive as usize], least);
             excess.lateral = (-passing.inside / passing.lateral).max(0.0);
-            // A ray in the plane of a triangle has no t, and a t beyond all numbers of f32 is not reported.
-            if passing.error.is_finite() && t.abs() < f32::MAX {
-                excess.depth = (f64::from(t) - passing.t).abs() / passing.error;
-                before = f64::from(t) - passing.error;
+            let is_reported = t.abs() < f32::MAX;
+            let t = f64::from(t);
+            // A t beyond all numbers of f32 is not reported as it is.
+            if is_reported {
+                let outside = (passing.range[0] - t).max(t - passing.range[1]).max(0.0);
+                // Without the NaN of a line in the plane.
+                excess.depth = ((t - passing.t).abs() / passing.error).max(outside / passing.range_error);
             }
+            // What was found is as reported, but for its last rounding.
+            before = t - rounding(t);
         }
         let to = line.to.min(before);
         self.hierarchy.visit(&Line { to, ..line }, |corners, _, _| {
