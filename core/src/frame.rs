@@ -90,10 +90,18 @@ impl Frame {
 /// the interval is long. Else it is a number of the interval, since the difference of two numbers within a factor of two
 /// of each other is exact (P. H. Sterbenz, "Floating-Point Computation", 1974): the roundest of them, so that distances
 /// to most points outside are exact, too.
+///
+/// Where that is a power of two, and the interval begins just above the one before, points just below the interval lie
+/// closer together than distances to them from so far away can tell. So the power of two before is taken: from there to the
+/// end, less than three times as much, distances are whole in units of what numbers there are apart.
 fn anchor(lower: f64, upper: f64) -> f64 {
     let (near, far) = if lower > 0.0 { (lower, upper) } else { (-upper, -lower) };
     if near <= 0.0 || far > 2.0 * near {
         return 0.0;
+    }
+    let before = power_of_two(exponent(near));
+    if far >= 2.0 * before && near < 1.5 * before {
+        return before.copysign(lower);
     }
     // Of positive numbers the bits are ordered as the numbers are. Up to the highest bit in which the ends differ, the
     // bits of the far end are those of the roundest number.
@@ -140,27 +148,32 @@ mod tests {
             (-1.0, 3.0, 0.0),
             (0.0, 3.0, 0.0),
             (1.0, 2.5, 0.0),
-            (1.0, 2.0, 2.0),
+            (1.0, 2.0, 1.0),
+            (1.25, 2.0, 1.0),
+            (1.75, 2.0, 2.0),
+            (-2.5, -1.25, -1.0),
             (100.25, 101.0, 101.0),
             (100.25, 101.5, 101.0),
             (999_900.0, 1_000_100.0, 999_936.0),
             (-101.5, -100.25, -101.0),
             (0.1, 0.1, 0.1),
-            (1e-42, 1.5e-42, 1.434_929_6e-42),
+            (1e-42, 1.5e-42, 7.174_648e-43),
         ] {
             let found = anchor(f64::from(lower as f32), f64::from(upper as f32));
             assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{found} for {lower} to {upper}");
-            assert!(found == 0.0 || (f64::from(lower as f32)..=f64::from(upper as f32)).contains(&found));
+            assert!(found.abs() <= f64::from(lower as f32).abs().max(f64::from(upper as f32).abs()));
             assert_eq!(f64::from(found as f32), found, "a number of f32");
         }
     }
 
     #[test]
     fn vertices_are_exact() {
-        let ends: [[f32; 2]; 9] = [
+        let ends: [[f32; 2]; 11] = [
             [-1.0, 1.0],
             [1e-3, 7.0],
             [1.0, 1.5],
+            [1.0001, 2.0001],
+            [1.4, 2.7],
             [999.1, 1000.3],
             [-2e30, -1.5e30],
             [1e-42, 1.5e-42],
