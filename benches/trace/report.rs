@@ -6,7 +6,7 @@ use leafwalk_rivals::quantile;
 use leafwalk_testing::truth::{Counts, per_million};
 
 /// The columns of the CSV, before those for the ratios of ours to the row's tracer.
-const COLUMNS: [&str; 19] = [
+const COLUMNS: [&str; 20] = [
     "scene",
     "triangles",
     "measure",
@@ -22,6 +22,7 @@ const COLUMNS: [&str; 19] = [
     "missed",
     "false",
     "neighbours",
+    "off",
     "faults_per_million",
     "faults_at_least",
     "faults_at_most",
@@ -115,7 +116,7 @@ impl Row {
     /// As [`COLUMNS`] says.
     fn cells(&self) -> [String; COLUMNS.len()] {
         let of_rays = |count: u64| cell((!self.measure.is_build()).then_some(count));
-        let Counts { rays, neighbours, wrong, missed, not_there } = self.counts;
+        let Counts { rays, neighbours, off, wrong, missed, not_there } = self.counts;
         let faults = per_million(self.counts.faults(), rays).map(|x| cell((!self.measure.is_build()).then_some(x)));
         let [per_million, at_least, at_most] = faults;
         [
@@ -134,6 +135,7 @@ impl Row {
             of_rays(missed),
             of_rays(not_there),
             of_rays(neighbours),
+            of_rays(off),
             per_million,
             at_least,
             at_most,
@@ -164,7 +166,7 @@ impl Report {
         let is_build = first.measure.is_build();
         let ours: Vec<&str> = self.ours(first).iter().map(|row| row.tracer.as_str()).collect();
         let ratios: String = ours.iter().map(|name| format!(" {:>18}", over(name))).collect();
-        let counts = if is_build { "   bytes/triangle".into() } else { HEAD.into() };
+        let counts = if is_build { "   bytes/triangle" } else { HEAD };
         println!("\n{:>18} {:>26} {:>9} {:>17} {counts}{ratios}", first.scene, "", first.unit(), "quartiles");
         for row in rows {
             let counts = match (is_build, row.bytes_per_triangle()) {

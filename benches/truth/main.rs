@@ -107,7 +107,7 @@ fn judge_wide(arguments: &Arguments) {
     }
 }
 
-/// Judges closest hits. Those that are right are off by so much at most, in length and as a share of t.
+/// Judges closest hits. On the right surface, they are off by so much at most, in length and as a share of t.
 fn closest(oracle: &Oracle, rival: &dyn Rival, rays: &[Ray], truths: &[Option<Hit>]) -> (Counts, [f64; 2]) {
     let mut prepared = rival.closest(rays);
     prepared.trace();
@@ -115,7 +115,7 @@ fn closest(oracle: &Oracle, rival: &dyn Rival, rays: &[Ray], truths: &[Option<Hi
     for ((ray, truth), Answer { t, primitive }) in rays.iter().zip(truths).zip(prepared.answers()) {
         let verdict = oracle.judge(ray, truth.as_ref(), t, primitive);
         counts.add(verdict);
-        if let (Verdict::Right | Verdict::Neighbour, Some(hit)) = (verdict, truth) {
+        if let (Verdict::Right | Verdict::Neighbour | Verdict::Off, Some(hit)) = (verdict, truth) {
             let length = ray.direction.iter().map(|c| f64::from(*c).powi(2)).sum::<f64>().sqrt();
             let off = (f64::from(t) - hit.t).abs();
             errors = [errors[0].max(off * length), errors[1].max(off / hit.t.abs())];
@@ -131,10 +131,10 @@ fn occlusions(rival: &dyn Rival, rays: &[Ray], truths: &[Option<Hit>]) -> Counts
 }
 
 /// Columns of [`row`]; faults come with the two shares between which theirs is with 95 % confidence.
-const HEAD: &str = "      rays neighbour  wrong missed  false    faults per million (95 %)  ";
+const HEAD: &str = "      rays neighbour    off  wrong missed  false    faults per million (95 %)  ";
 
 fn row(counts: &Counts) -> String {
-    let Counts { rays, neighbours, wrong, missed, not_there } = *counts;
+    let Counts { rays, neighbours, off, wrong, missed, not_there } = *counts;
     let [share, low, high] = per_million(counts.faults(), rays);
-    format!("{rays:>10} {neighbours:>9} {wrong:>6} {missed:>6} {not_there:>6} {share:>10.3} {low:>8.3} {high:>10.3}")
+    format!("{rays:>10} {neighbours:>9} {off:>6} {wrong:>6} {missed:>6} {not_there:>6} {share:>10.3} {low:>8.3} {high:>10.3}")
 }

@@ -58,7 +58,7 @@ pub(crate) fn faults(
             report.depth.fetch_max((1000.0 * depth) as u64, Relaxed);
             let truth = oracle.closest(ray);
             let verdict = oracle.judge(ray, truth.as_ref(), hit.t, hit.primitive);
-            report.misjudged.fetch_add(u64::from(!matches!(verdict, Verdict::Right | Verdict::Neighbour)), Relaxed);
+            report.misjudged.fetch_add(u64::from(!matches!(verdict, Verdict::Right | Verdict::Neighbour | Verdict::Off)), Relaxed);
             if lateral.max(depth) > 1.0 {
                 tally.fault(index, || {
                     let ray = rays::hex(ray);

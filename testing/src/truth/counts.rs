@@ -14,6 +14,8 @@ pub struct Counts {
     pub rays: u64,
     /// See [`Verdict::Neighbour`].
     pub neighbours: u64,
+    /// See [`Verdict::Off`].
+    pub off: u64,
     /// See [`Verdict::Wrong`].
     pub wrong: u64,
     /// See [`Verdict::Missed`].
@@ -29,6 +31,7 @@ impl Counts {
         match verdict {
             Verdict::Right => {}
             Verdict::Neighbour => self.neighbours += 1,
+            Verdict::Off => self.off += 1,
             Verdict::Wrong => self.wrong += 1,
             Verdict::Missed => self.missed += 1,
             Verdict::False => self.not_there += 1,
@@ -42,7 +45,7 @@ impl Counts {
         counts
     }
 
-    /// All that are at fault.
+    /// All that name another surface, or none, or one where there is none.
     pub fn faults(&self) -> u64 {
         self.wrong + self.missed + self.not_there
     }
@@ -52,6 +55,7 @@ impl AddAssign for Counts {
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;
         self.neighbours += other.neighbours;
+        self.off += other.off;
         self.wrong += other.wrong;
         self.missed += other.missed;
         self.not_there += other.not_there;

@@ -28,8 +28,8 @@ pub use passing::{Excess, LATERAL_ERROR};
 use hierarchy::Hierarchy;
 use line::{Crossing, Line};
 
-/// A t that is off by more than this share of itself is another surface's: four orders of magnitude above what f32 can
-/// hold, and below the distance of surfaces that one would tell apart.
+/// A t that is off by more than this share of itself is not the truth: four orders of magnitude above what f32 can hold, and
+/// below the distance of surfaces that one would tell apart.
 const SAME: f64 = 1e-4;
 
 /// Knows the truth about rays.
@@ -57,6 +57,8 @@ pub enum Verdict {
     Right,
     /// Another triangle at the same t: beside an edge, either triangle is as good.
     Neighbour,
+    /// The right triangle at a t that is off: where hits are close, and their triangles are large.
+    Off,
     /// A hit on another surface.
     Wrong,
     /// There is a hit, and it says that there is none.
@@ -121,10 +123,16 @@ impl Oracle {
             None if t == f64::INFINITY => Verdict::Right,
             None => Verdict::False,
             Some(_) if t == f64::INFINITY => Verdict::Missed,
-            Some(hit) if (t - hit.t).abs() > SAME * hit.t.abs() => Verdict::Wrong,
-            Some(hit) if hit.primitive == primitive || hit.others.contains(&primitive) => Verdict::Right,
-            Some(hit) if self.is_near(primitive, ray, hit.t) => Verdict::Neighbour,
-            Some(_) => Verdict::Wrong,
+            Some(hit) => {
+                let is_same = hit.primitive == primitive || hit.others.contains(&primitive);
+                let is_off = (t - hit.t).abs() > SAME * hit.t.abs();
+                match (is_same, is_off) {
+                    (true, false) => Verdict::Right,
+                    (true, true) => Verdict::Off,
+                    (false, false) if self.is_near(primitive, ray, hit.t) => Verdict::Neighbour,
+                    (false, _) => Verdict::Wrong,
+                }
+            }
         }
     }
 
@@ -231,7 +239,7 @@ mod tests {
         let third = 1.0 / 3.0;
         assert_eq!((judge(third, 0), judge(third, 1)), (Verdict::Right, Verdict::Right));
         assert_eq!((judge(f32::INFINITY, 0), judge(third, 2)), (Verdict::Missed, Verdict::Wrong));
-        assert_eq!(judge(third * 1.001, 0), Verdict::Wrong);
+        assert_eq!((judge(third * 1.001, 0), judge(third * 1.001, 2)), (Verdict::Off, Verdict::Wrong));
         let beside = Ray { origin: [0.3, 0.3f32.next_up(), 1.0], ..ray };
         let truth = oracle.closest(&beside).expect("a hit");
         assert_eq!((truth.primitive, truth.others.len()), (1, 0));
