@@ -136,5 +136,7 @@ const HEAD: &str = "      rays neighbour    off  wrong missed  false    faults p
 fn row(counts: &Counts) -> String {
     let Counts { rays, neighbours, off, wrong, missed, not_there } = *counts;
     let [share, low, high] = per_million(counts.faults(), rays);
-    format!("{rays:>10} {neighbours:>9} {off:>6} {wrong:>6} {missed:>6} {not_there:>6} {share:>10.3} {low:>8.3} {high:>10.3}")
+    format!(
+        "{rays:>10} {neighbours:>9} {off:>6} {wrong:>6} {missed:>6} {not_there:>6} {share:>10.3} {low:>8.3} {high:>10.3}"
+    )
 }

@@ -18,7 +18,7 @@ use crate::scenes;
 /// What is only counted.
 #[derive(Default)]
 pub(crate) struct Report {
-    /// Answers that are not the truth.
+    /// Answers on another surface than the truth.
     misjudged: AtomicU64,
     /// The most of what the contract grants that was needed, in thousandths: across rays, and along them.
     lateral: AtomicU64,
@@ -58,7 +58,8 @@ pub(crate) fn faults(
             report.depth.fetch_max((1000.0 * depth) as u64, Relaxed);
             let truth = oracle.closest(ray);
             let verdict = oracle.judge(ray, truth.as_ref(), hit.t, hit.primitive);
-            report.misjudged.fetch_add(u64::from(!matches!(verdict, Verdict::Right | Verdict::Neighbour | Verdict::Off)), Relaxed);
+            let is_misjudged = !matches!(verdict, Verdict::Right | Verdict::Neighbour | Verdict::Off);
+            report.misjudged.fetch_add(u64::from(is_misjudged), Relaxed);
             if lateral.max(depth) > 1.0 {
                 tally.fault(index, || {
                     let ray = rays::hex(ray);
