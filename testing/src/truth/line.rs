@@ -71,7 +71,9 @@ impl Line {
         let t = over / under;
         let error = (over_error + t.abs() * under_error) / (under.abs() - under_error).max(0.0);
         let mut found = Crossing { t, error };
-        if !(error <= CERTAIN * t.abs()) && over_error > 0.0 {
+        // No number, where the line all but runs in the plane, is no certain one.
+        let is_certain = error <= CERTAIN * t.abs() || over_error == 0.0;
+        if !is_certain {
             let t = exact.get_or_insert_with(|| Exact::new(self, corners)).distance().to_f64();
             found = Crossing { t, error: 4.0 * ROUNDOFF * t.abs() };
         }
