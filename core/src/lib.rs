@@ -48,6 +48,7 @@ mod policy;
 mod ray;
 pub mod slabs;
 mod spawn;
+pub mod start;
 mod stats;
 pub mod step;
 pub mod tables;

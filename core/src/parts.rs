@@ -102,6 +102,12 @@ impl<'a> Parts<'a> {
         self.payloads_of(leaf).flat_map(move |payload| blocks.of(payload)).flat_map(|block| block.triangles())
     }
 
+    /// The box around all triangles; without any, one that few rays meet.
+    #[inline]
+    pub fn hull(&self) -> LatticeBox {
+        self.bvh.first().map_or(LatticeBox::VACANT, BvhNode::hull)
+    }
+
     /// See [`crate::Octree::bounds`].
     pub(crate) fn bounds(&self) -> Aabb {
         let Some(LatticeBox { lower, upper }) = self.bvh.first().map(BvhNode::hull) else {

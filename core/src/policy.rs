@@ -8,7 +8,7 @@ pub trait Policy: Copy {
     const STOP_MARGIN: bool = true;
     /// The walk ends at the first leaf that gives a hit.
     const STOPS_AT_FIRST_HIT: bool = false;
-    /// The root's test is dilated by the padding.
+    /// The root's test is dilated by the padding, and the hull's by the box margin.
     const DILATES_ROOT: bool = true;
     /// `t_min` of a moved ray is clamped to its new origin.
     const CLAMPS_T_MIN: bool = false;

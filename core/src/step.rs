@@ -6,8 +6,7 @@
 
 use crate::lanes::{Bits, Lanes};
 use crate::layout::{Key, LINK_COARSER, LINK_FINER, LINK_SHIFT, Record};
-use crate::ray::CanonicalRay;
-use crate::tables::{self, EXIT_AXIS};
+use crate::tables::EXIT_AXIS;
 use crate::unroll;
 
 /// Stands for 1 / 0: any coordinate difference above 2^-40 becomes a distance beyond the root.
@@ -37,21 +36,27 @@ pub struct Line<L: Lanes> {
 }
 
 impl<L: Lanes> Line<L> {
-    /// One ray in every lane.
+    /// The lines of canonical rays, given where t' is 0 as seen from the root's corner.
     #[inline(always)]
-    pub fn new(ray: &CanonicalRay) -> Self {
-        let d = ray.direction;
-        let neg = (0..3).fold(0, |bits, k| bits | u32::from(d[k] < 0.0) << k);
-        let origin = ray.within;
+    pub fn new(origin: [L; 3], direction: [L; 3]) -> Self {
+        Self::with_inverse(origin, direction, inverse(direction))
+    }
+
+    /// As [`Line::new`], of rays whose [`inverse`] is known.
+    #[inline(always)]
+    pub fn with_inverse(origin: [L; 3], direction: [L; 3], inverse: [L; 3]) -> Self {
+        let zero = L::splat(0.0);
+        let down: [L::Bits; 3] = unroll!(k in 0..3 => L::indicator(direction[k].less(zero)));
+        let one = L::Bits::splat(1);
         Self {
-            origin: unroll!(k in 0..3 => L::splat(origin[k])),
-            direction: unroll!(k in 0..3 => L::splat(d[k])),
-            inverse: inverse(unroll!(k in 0..3 => L::splat(d[k]))),
-            exit_origin: unroll!(k in 0..3 => L::splat(if d[k] == 0.0 { FAR_BEHIND } else { origin[k] })),
-            forward: unroll!(k in 0..3 => L::splat(if d[k] < 0.0 { -1.0 } else { 1.0 })),
-            neg: L::Bits::splat(neg),
-            upward: unroll!(k in 0..3 => L::Bits::splat(if d[k] < 0.0 { 0 } else { u32::MAX })),
-            tie: L::Bits::splat(tie_bits(d, neg)),
+            origin,
+            direction,
+            inverse,
+            exit_origin: unroll!(k in 0..3 => L::splat(FAR_BEHIND).or_else(direction[k].equal(zero), origin[k])),
+            forward: unroll!(k in 0..3 => L::splat(-1.0).or_else(direction[k].less(zero), L::splat(1.0))),
+            neg: down[0] | (down[1] | down[2] << one) << one,
+            upward: unroll!(k in 0..3 => !down[k].spread()),
+            tie: tie_bits::<L>(direction, down),
         }
     }
 }
@@ -63,14 +68,21 @@ pub fn inverse<L: Lanes>(direction: [L; 3]) -> [L; 3] {
 }
 
 /// How ties between exit distances break: x before y before z, axes with direction 0 last (simulation of simplicity).
-fn tie_bits(d: [f32; 3], neg: u32) -> u32 {
-    let before = |a: usize, b: usize| match (d[a] == 0.0, d[b] == 0.0) {
-        (false, true) => true,
-        (true, false) => false,
-        _ => a < b,
-    };
-    let preferred = u32::from(before(1, 2)) | u32::from(before(2, 0)) << 1 | u32::from(before(0, 1)) << 2;
-    preferred ^ tables::mask(neg)
+#[inline(always)]
+fn tie_bits<L: Lanes>(direction: [L; 3], down: [L::Bits; 3]) -> L::Bits {
+    let one = L::Bits::splat(1);
+    let [x, y, z]: [L::Bits; 3] = unroll!(k in 0..3 => L::indicator(direction[k].equal(L::splat(0.0))));
+    // Of two axes the second comes before the first only where the first stands still and the second does not.
+    let (z_before_y, z_before_x, y_before_x) = (y & (z ^ one), x & (z ^ one), x & (y ^ one));
+    let preferred = (z_before_y ^ one) | z_before_x << one | (y_before_x ^ one) << L::Bits::splat(2);
+    preferred ^ flips::<L>(down)
+}
+
+/// [`tables::mask`], given a bit an axis that the ray moves down along.
+#[inline(always)]
+fn flips<L: Lanes>([x, y, z]: [L::Bits; 3]) -> L::Bits {
+    let one = L::Bits::splat(1);
+    (y ^ z) | (z ^ x) << one | (x ^ y) << L::Bits::splat(2)
 }
 
 /// A cell, in lattice steps.
@@ -207,8 +219,7 @@ impl Step for Pluecker {
             let tie = L::indicator(a.equal(b)) & (line.tie >> bit & one);
             pattern = pattern | (L::indicator(a.less(b)) | tie) << bit;
         }
-        let [x, y, z] = unroll!(k in 0..3 => line.neg >> L::Bits::splat(k) & one);
-        let mask = (y ^ z) | (z ^ x) << one | (x ^ y) << L::Bits::splat(2);
+        let mask = flips::<L>(unroll!(k in 0..3 => line.neg >> L::Bits::splat(k) & one));
         let axis = L::Bits::splat(EXIT_AXIS) >> ((pattern ^ mask) << one) & L::Bits::splat(3);
         // Axis numbers are 0, 1, 2: exact as numbers, so that lanes need no integer comparison.
         let number = L::from_integers(axis);

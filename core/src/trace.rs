@@ -1,14 +1,15 @@
 //! The scalar tracer: one ray, from leaf to leaf.
 
-use crate::contract::{PADDING, START_MARGIN};
+use crate::contract::{BOX_MARGIN, PADDING};
 use crate::lanes::Lanes;
-use crate::layout::{BLOCK_WIDTH, Block, Key, LATTICE, LINK_NONE, PAYLOAD_BLOCKS, Payload};
+use crate::layout::{BLOCK_WIDTH, Block, Key, LATTICE, LINK_NONE, NONE, PAYLOAD_BLOCKS, Payload};
 use crate::nearest::Nearest;
 use crate::octree::Octree;
 use crate::parts::Parts;
 use crate::policy::{Policy, Standard};
 use crate::ray::{CanonicalRay, Hit, Ray};
 use crate::slabs::Slabs;
+use crate::start::Span;
 use crate::step::{Cell, Line, Slab, Step, cross, link_kind, neighbour};
 use crate::triangle::{Candidate, Shear, Sheared};
 use crate::unroll;
@@ -45,6 +46,8 @@ impl<W: AsRef<[u32]>> Octree<W> {
 #[derive(Clone, Copy, Debug)]
 pub struct Walk<'a, S = Slab, P = Standard> {
     parts: &'a Parts<'a>,
+    /// Lower and upper corner of the hull, dilated by the box margin.
+    hull: [[f32; 3]; 2],
     kind: core::marker::PhantomData<(S, P)>,
 }
 
@@ -65,7 +68,8 @@ impl<'a> Walk<'a> {
 impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
     /// See [`crate::testing::walk`].
     pub(crate) fn with(parts: &'a Parts<'a>) -> Self {
-        Self { parts, kind: core::marker::PhantomData }
+        let hull = parts.hull().dilated(if P::DILATES_ROOT { BOX_MARGIN } else { 0.0 });
+        Self { parts, hull, kind: core::marker::PhantomData }
     }
 
     /// See [`Octree::closest_hit`].
@@ -101,11 +105,14 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         visitor: &mut impl FnMut(u32, &Cell<f32>),
     ) -> Search<'r> {
         let mut search = Search { ray, nearest: Nearest::new(ray), work: Work::default() };
-        let line = Line::<f32>::new(ray);
-        let Some(start) = start::<P>(&line, ray) else { return search };
+        let line = Line::new(ray.within, ray.direction);
+        let span = Span::new(&line, ray.t_min, ray.t_max, &self.hull);
+        if !span.is_met {
+            return search;
+        }
         let slabs = Slabs::new(line.origin, line.inverse);
         let (shear, axes) = Shear::<f32>::new(ray);
-        let (mut number, mut cell) = self.locate(start, &line);
+        let (mut number, mut cell) = self.parts.locate(span.start, line.neg);
         loop {
             visitor(number, &cell);
             search.work.cells += 1;
@@ -119,34 +126,13 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
             }
             let exit = S::exit(&line, &cell);
             let margin = if P::STOP_MARGIN { PADDING } else { 0.0 };
-            let is_done = search.nearest.t * exit.speed < exit.distance - margin;
+            let is_done = Lanes::min(search.nearest.t, span.end) * exit.speed < exit.distance - margin;
             if is_done || link_kind::<f32>(head.0, exit.face) == LINK_NONE {
                 return search;
             }
             let left = cell;
             (number, cell) = cross::<f32, S>(&line, &cell, &exit, head.0, neighbour(record, exit.face));
             debug_assert!(precedes(&left, &cell, line.neg), "a step must move forward: {ray:?}");
-        }
-    }
-
-    /// The leaf that holds a point of the root (as seen from its corner), on the ray's side where the point lies on a face.
-    fn locate(&self, point: [f32; 3], line: &Line<f32>) -> (u32, Cell<f32>) {
-        let corner: [u32; 3] = core::array::from_fn(|k| {
-            let whole = (point[k] as u32).min(LATTICE - 1);
-            let backs_off = line.neg >> k & 1 == 1 && whole as f32 == point[k] && whole > 0;
-            whole - u32::from(backs_off)
-        });
-        let bits = self.parts.header.grid_bits;
-        let shift = LATTICE.ilog2() - bits;
-        let entry = (0..3).fold(0, |entry, k| entry | (corner[k] >> shift) << (k as u32 * bits));
-        let mut number = self.parts.grid[entry as usize];
-        loop {
-            let record = &self.parts.records[number as usize];
-            let size = LATTICE >> record.head().level();
-            if !record.head().is_inner() {
-                return (number, Cell { corner: corner.map(|c| c & !(size - 1)), size });
-            }
-            number = record.offset + Key::octant_towards(size, corner);
         }
     }
 
@@ -179,22 +165,6 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
             }
         }
     }
-}
-
-/// Where a walk starts, as seen from the root's corner: clamped to the root, a little before `t_min`. `None`: the ray passes the root
-/// by, or ends first.
-fn start<P: Policy>(line: &Line<f32>, ray: &CanonicalRay) -> Option<[f32; 3]> {
-    let edge = LATTICE as f32;
-    let margin = if P::DILATES_ROOT { PADDING } else { 0.0 };
-    let (mut first, mut last) = (ray.t_min - START_MARGIN, ray.t_max);
-    for k in 0..3 {
-        let a = (-margin - line.origin[k]) * line.inverse[k];
-        let b = (edge + margin - line.origin[k]) * line.inverse[k];
-        first = Lanes::max(first, Lanes::min(a, b));
-        last = Lanes::min(last, Lanes::max(a, b));
-    }
-    let point = core::array::from_fn(|k| (line.origin[k] + first * line.direction[k]).clamp(0.0, edge));
-    (first <= last && ray.t_min < ray.t_max).then_some(point)
 }
 
 /// Whether one cell comes before another along a ray of octant `neg`: by the Morton order of the corners that the ray
@@ -239,7 +209,8 @@ impl Search<'_> {
         let mut is_candidate = [false; BLOCK_WIDTH];
         let corners = |lane: usize| core::array::from_fn(|corner| axes.map(|axis| block.vertices[corner][axis][lane]));
         for (lane, is_candidate) in is_candidate.iter_mut().enumerate() {
-            *is_candidate = Sheared::new(shear, corners(lane)).is_candidate();
+            // A vacant lane would be finished as often as the lane that it repeats.
+            *is_candidate = Sheared::new(shear, corners(lane)).is_candidate() & (block.primitives[lane] != NONE);
         }
         for (lane, is_candidate) in is_candidate.into_iter().enumerate() {
             if is_candidate {

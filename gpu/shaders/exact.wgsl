@@ -32,7 +32,7 @@ const PLANE_SLACK: f32 = 0x3p-23f;
 const STEEP: f32 = 0x1p60f;
 const FAR_BEHIND: f32 = -0x1p56f;
 
-// Where the octree's sections start, and its root.
+// Where the octree's sections start, its root, and the hull.
 
 // gpu/src/walk/octree.rs: OctreeSetup
 struct Setup {
@@ -40,12 +40,12 @@ struct Setup {
     payloads: u32,
     blocks: u32,
     grid: u32,
-    grid_bits: u32,
-    zero: u32,
-    unused_0: u32,
-    unused_1: u32,
     corner: vec3<f32>,
-    unused_2: u32,
+    grid_bits: u32,
+    hull_lower: vec3<f32>,
+    zero: u32,
+    hull_upper: vec3<f32>,
+    unused: u32,
 }
 
 @group(0) @binding(0) var<uniform> setup: Setup;
@@ -442,22 +442,22 @@ fn coordinate(block: u32, corner: u32, axis: u32, lane: u32) -> f32 {
     return bitcast<f32>(word((at << 2u) + lane));
 }
 
-// core/src/layout/block.rs: Block::corners, one corner of one lane, permuted
-fn permuted_corner(shear: Shear, block: u32, corner: u32, lane: u32) -> vec3<f32> {
-    return vec3<f32>(
+// core/src/triangle.rs: Sheared::new, one corner of one lane as seen from the origin
+fn from_origin(shear: Shear, block: u32, corner: u32, lane: u32) -> vec3<f32> {
+    let point = vec3<f32>(
         coordinate(block, corner, shear.axes.x, lane),
         coordinate(block, corner, shear.axes.y, lane),
         coordinate(block, corner, shear.axes.z, lane),
     );
+    return sub3(point, shear.origin);
 }
 
-// core/src/triangle.rs: Sheared::new, of one corner of one lane
-fn sheared(shear: Shear, point: vec3<f32>) -> vec3<f32> {
-    let p = sub3(point, shear.origin);
-    return vec3<f32>(sub(p.x, mul(shear.slope.x, p.z)), sub(p.y, mul(shear.slope.y, p.z)), p.z);
+// core/src/triangle.rs: Shear::lateral, along both axes across the ray
+fn lateral(shear: Shear, p: vec3<f32>) -> vec2<f32> {
+    return vec2<f32>(sub(p.x, mul(shear.slope.x, p.z)), sub(p.y, mul(shear.slope.y, p.z)));
 }
 
-// core/src/triangle.rs: in_axis_plane, of a triangle that was accepted; `depths` are t' of its corners
+// core/src/triangle.rs: Sheared::in_axis_plane; `depths` are t' of the corners
 fn in_axis_plane(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, depths: vec3<f32>, t: f32) -> f32 {
     let is_x = a.x == b.x && a.x == c.x;
     let is_y = a.y == b.y && a.y == c.y;
@@ -465,8 +465,7 @@ fn in_axis_plane(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, depths:
     if !(is_x || is_y) || slope == 0.0 {
         return t;
     }
-    let height = select(sub(a.y, shear.origin.y), sub(a.x, shear.origin.x), is_x);
-    let met = mul(divide(height, slope), shear.slope.z);
+    let met = mul(divide(select(a.y, a.x, is_x), slope), shear.slope.z);
     let size = abs(depths);
     let slack = mul(max(size.x, max(size.y, size.z)), PLANE_SLACK);
     return max(sub(t, slack), min(met, add(t, slack)));
@@ -474,20 +473,18 @@ fn in_axis_plane(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, depths:
 
 // core/src/triangle.rs: Sheared::finish
 fn finish(shear: Shear, block: u32, lane: u32) -> Candidate {
-    let corners = array<vec3<f32>, 3>(
-        permuted_corner(shear, block, 0u, lane),
-        permuted_corner(shear, block, 1u, lane),
-        permuted_corner(shear, block, 2u, lane),
-    );
-    let a = sheared(shear, corners[0]);
-    let b = sheared(shear, corners[1]);
-    let c = sheared(shear, corners[2]);
-    let ax = flush(a.x, SMALLEST_SHEARED);
-    let bx = flush(b.x, SMALLEST_SHEARED);
-    let cx = flush(c.x, SMALLEST_SHEARED);
-    let ay = flush(a.y, SMALLEST_SHEARED);
-    let by = flush(b.y, SMALLEST_SHEARED);
-    let cy = flush(c.y, SMALLEST_SHEARED);
+    let a = from_origin(shear, block, 0u, lane);
+    let b = from_origin(shear, block, 1u, lane);
+    let c = from_origin(shear, block, 2u, lane);
+    let a2 = lateral(shear, a);
+    let b2 = lateral(shear, b);
+    let c2 = lateral(shear, c);
+    let ax = flush(a2.x, SMALLEST_SHEARED);
+    let bx = flush(b2.x, SMALLEST_SHEARED);
+    let cx = flush(c2.x, SMALLEST_SHEARED);
+    let ay = flush(a2.y, SMALLEST_SHEARED);
+    let by = flush(b2.y, SMALLEST_SHEARED);
+    let cy = flush(c2.y, SMALLEST_SHEARED);
     let u = difference_of_products(cx, by, cy, bx);
     let v = difference_of_products(ax, cy, ay, cx);
     let w = difference_of_products(bx, ay, by, ax);
@@ -503,18 +500,18 @@ fn finish(shear: Shear, block: u32, lane: u32) -> Candidate {
     let bz = mul(shear.slope.z, b.z);
     let cz = mul(shear.slope.z, c.z);
     let by_weights = add(az, add(mul(of_b, sub(bz, az)), mul(of_c, sub(cz, az))));
-    let t = in_axis_plane(shear, corners[0], corners[1], corners[2], vec3<f32>(az, bz, cz), by_weights);
+    let t = in_axis_plane(shear, a, b, c, vec3<f32>(az, bz, cz), by_weights);
     return Candidate(true, flush(t, SMALLEST), flush(of_b, SMALLEST), flush(of_c, SMALLEST));
 }
 
 // The walk from leaf to leaf, as core/src/trace.rs makes it:
 //
-//     cell = the leaf that holds the point where the ray enters the root cube
+//     cell = the leaf that holds the point where the ray enters the hull
 //     repeat:
 //         if the leaf lists anything and the ray meets its hull:
 //             test the blocks of triangles whose boxes the ray meets, and keep the nearest hit
 //         find the face by which the ray leaves the cell
-//         end if the nearest hit lies before that face by the padding, or no leaf lies behind the face
+//         end if the nearest hit, or the hull's end, lies before that face by the padding, or no leaf lies behind the face
 //         cell = the leaf behind the face: as large, larger, or of four smaller ones the one that the ray enters
 //
 // It departs from that walk in order, not in arithmetic:
@@ -545,27 +542,27 @@ fn offer(nearest: ptr<function, Nearest>, found: Candidate, primitive: u32) {
     }
 }
 
-// core/src/trace.rs: start; `is_met` is false where that returns None.
-struct Start {
-    point: vec3<f32>,
+// core/src/start.rs: Span
+struct Span {
+    start: vec3<f32>,
+    end: f32,
     is_met: bool,
 }
 
-// core/src/trace.rs: start
-fn start_of(line: Line, ray: CanonicalRay) -> Start {
-    let edge = f32(LATTICE);
-    let a = mul3(sub3(vec3<f32>(-PADDING), line.origin), line.inverse);
-    let b = mul3(sub3(vec3<f32>(edge + PADDING), line.origin), line.inverse);
+// core/src/start.rs: Span::new
+fn span_of(line: Line, ray: CanonicalRay) -> Span {
+    let a = mul3(sub3(setup.hull_lower, line.origin), line.inverse);
+    let b = mul3(sub3(setup.hull_upper, line.origin), line.inverse);
     let near = min(a, b);
     let far = max(a, b);
-    let first = max(max(sub(ray.t_min, START_MARGIN), near.x), max(near.y, near.z));
+    let first = max(max(ray.t_min, near.x), max(near.y, near.z));
     let last = min(min(ray.t_max, far.x), min(far.y, far.z));
-    let point = add3(line.origin, mul3(vec3<f32>(first), line.direction));
+    let start = add3(line.origin, mul3(vec3<f32>(sub(first, START_MARGIN)), line.direction));
     let is_met = first <= last && ray.t_min < ray.t_max;
-    return Start(clamp(point, vec3<f32>(0.0), vec3<f32>(edge)), is_met);
+    return Span(clamp(start, vec3<f32>(0.0), vec3<f32>(f32(LATTICE))), last, is_met);
 }
 
-// core/src/trace.rs: Walk::locate
+// core/src/start.rs: locate
 fn locate(point: vec3<f32>, line: Line) -> Crossing {
     let whole = min(vec3<u32>(point), vec3<u32>(LATTICE - 1u));
     let backs_off = (upward(line) == vec3<u32>(0u)) & (vec3<f32>(whole) == point) & (whole > vec3<u32>(0u));
@@ -620,10 +617,13 @@ fn test_block(block: u32, shear: Shear, nearest: ptr<function, Nearest>) {
     while candidates != 0u {
         let lane = firstTrailingBit(candidates);
         candidates &= candidates - 1u;
-        let found = finish(shear, block, lane);
-        if found.is_accepted {
-            let primitives = setup.blocks + block * BLOCK_QUADS + PRIMITIVES_QUAD;
-            offer(nearest, found, word((primitives << 2u) + lane));
+        let primitive = word(((setup.blocks + block * BLOCK_QUADS + PRIMITIVES_QUAD) << 2u) + lane);
+        // A vacant lane would be finished as often as the lane that it repeats.
+        if primitive != NONE {
+            let found = finish(shear, block, lane);
+            if found.is_accepted {
+                offer(nearest, found, primitive);
+            }
         }
     }
 }
@@ -680,17 +680,17 @@ fn advance(line: Line, at: ptr<function, Crossing>, head: vec4<u32>, t: f32) -> 
 fn walk(ray: CanonicalRay) -> Search {
     var nearest = Nearest(ray.t_min, ray.t_max, 0.0, 0.0, NONE);
     let line = line_of(ray);
-    let start = start_of(line, ray);
-    if !start.is_met {
+    let span = span_of(line, ray);
+    if !span.is_met {
         return Search(nearest, 0u, 0u);
     }
     let slope = slope_of(ray.direction);
-    var at = locate(start.point, line);
+    var at = locate(span.start, line);
     var head = quad(setup.records + at.record * RECORD_QUADS);
     var cells = 1u;
     var blocks = 0u;
     loop {
-        while t_count(head.x) == 0u && advance(line, &at, head, nearest.t) {
+        while t_count(head.x) == 0u && advance(line, &at, head, min(nearest.t, span.end)) {
             head = quad(setup.records + at.record * RECORD_QUADS);
             cells += 1u;
         }
@@ -698,7 +698,7 @@ fn walk(ray: CanonicalRay) -> Search {
             break;
         }
         blocks += leaf(head.y, ray.origin, line, slope, &nearest);
-        if (ANY_HIT && is_hit(nearest)) || !advance(line, &at, head, nearest.t) {
+        if (ANY_HIT && is_hit(nearest)) || !advance(line, &at, head, min(nearest.t, span.end)) {
             break;
         }
         head = quad(setup.records + at.record * RECORD_QUADS);

@@ -36,11 +36,17 @@ fn specks(points: &[[f32; 3]]) -> Octree<Vec<u32>> {
 
 /// Off every ray of the test: no small multiples of these coordinates sum to an integer.
 const CORNER: [f32; 3] = [371.0 / 1024.0, 629.0 / 1024.0, 233.0 / 1024.0];
+/// In the first lattice step: a mesh that has points as near to each face fills the root, so that all rays are walked
+/// from the root's entry to its exit.
+const RIM: f32 = 0.75 * EDGE as f32 / LATTICE as f32;
+/// Points in the cell of the corner, near its three faces that are faces of the root.
+const CORNERS: [[f32; 3]; 3] = [[RIM, CORNER[1], CORNER[2]], [CORNER[0], RIM, CORNER[2]], [CORNER[0], CORNER[1], RIM]];
 const CENTRE: [f32; 3] = [7.0 + CORNER[1], 7.0 + CORNER[2], 7.0 + CORNER[0]];
 const ASIDE: [f32; 3] = [2.0 + CORNER[2], 11.0 + CORNER[0], 5.0 + CORNER[1]];
 
 fn trees() -> [Octree<Vec<u32>>; 2] {
-    [specks(&[CORNER]), specks(&[CORNER, CENTRE, ASIDE])]
+    let [a, b, c] = CORNERS;
+    [specks(&[a, b, c]), specks(&[a, b, c, CENTRE, ASIDE])]
 }
 
 /// A ray in integers.

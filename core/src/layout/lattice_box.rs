@@ -29,6 +29,11 @@ impl LatticeBox {
         boxes.into_iter().fold(Self::EMPTY, Self::union)
     }
 
+    /// Lower and upper corner as seen from the root's corner, moved outwards by a margin.
+    pub fn dilated(self, margin: f32) -> [[f32; 3]; 2] {
+        [self.lower.map(|step| f32::from(step) - margin), self.upper.map(|step| f32::from(step) + (1.0 + margin))]
+    }
+
     /// Whether no side is the wrong way round.
     pub fn is_whole(self) -> bool {
         (0..3).all(|k| self.lower[k] <= self.upper[k])

@@ -1,14 +1,16 @@
 //! The octree on a device: its words as they are in the file, and a uniform that says where its sections start, and where
-//! its root is.
+//! its root and the hull are.
 
 use bytemuck::{Pod, Zeroable};
 use leafwalk_core::Octree;
+use leafwalk_core::contract::BOX_MARGIN;
 use leafwalk_core::layout::{SECTION_ALIGN, Section};
 
 use crate::device::{DeviceError, Gpu, Module};
 use crate::shader::{QUAD_BYTES, WordBindings};
 
-/// The uniform of the kernels that walk: where the sections start, in quads of four words, and where the root is.
+/// The uniform of the kernels that walk: where the sections start, in quads of four words, and where the root and
+/// the hull are.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct OctreeSetup {
@@ -20,31 +22,35 @@ pub struct OctreeSetup {
     pub blocks: u32,
     /// First quad of the entry grid.
     pub grid: u32,
-    /// The entry grid has 2 to this power cells an axis.
-    pub grid_bits: u32,
-    /// Always 0, which no compiler can know: the guards of the flavour `exact` are made of it.
-    pub zero: u32,
-    /// Always 0.
-    pub unused_0: u32,
-    /// Always 0.
-    pub unused_1: u32,
     /// The root's lower corner, in lattice coordinates.
     pub corner: [f32; 3],
+    /// The entry grid has 2 to this power cells an axis.
+    pub grid_bits: u32,
+    /// The hull's lower corner as seen from the root's, dilated by the box margin.
+    pub hull_lower: [f32; 3],
+    /// Always 0, which no compiler can know: the guards of the flavour `exact` are made of it.
+    pub zero: u32,
+    /// The hull's upper corner, likewise.
+    pub hull_upper: [f32; 3],
     /// Always 0.
-    pub unused_2: u32,
+    pub unused: u32,
 }
 
 impl OctreeSetup {
     fn of<W: AsRef<[u32]>>(octree: &Octree<W>) -> Self {
         const { assert!((SECTION_ALIGN * size_of::<u32>()).is_multiple_of(QUAD_BYTES), "sections start at whole quads") }
+        let parts = octree.parts();
+        let [hull_lower, hull_upper] = parts.hull().dilated(BOX_MARGIN);
         let quad = |section| octree.span(section).0 / (QUAD_BYTES / size_of::<u32>()) as u32;
         Self {
             records: quad(Section::Records),
             payloads: quad(Section::Payloads),
             blocks: quad(Section::Blocks),
             grid: quad(Section::Grid),
-            grid_bits: octree.parts().header.grid_bits,
-            corner: octree.frame().corner,
+            corner: parts.frame.corner,
+            grid_bits: parts.header.grid_bits,
+            hull_lower,
+            hull_upper,
             ..Self::zeroed()
         }
     }

@@ -1,7 +1,7 @@
 //! The eight boxes of a BVH node, and the eight triangles of a block, against rays.
 
-use leafwalk_core::lanes::Mask as _;
-use leafwalk_core::layout::{Block, BvhNode};
+use leafwalk_core::lanes::{Bits as _, Mask as _};
+use leafwalk_core::layout::{Block, BvhNode, NONE};
 use leafwalk_core::slabs::Slabs;
 use leafwalk_core::triangle::{Shear, Sheared};
 use leafwalk_core::{Nearest, unroll};
@@ -73,7 +73,9 @@ pub(crate) fn test_block<L: Eight>(block: &Block, shear: &Shear<L>, axes: [usize
     }
     let (accepted, found) = sheared.finish(shear, &corners);
     let is_between = L::splat(nearest.t_min).less(found.t) & found.t.at_most(L::splat(nearest.t));
-    let mut accepted = (accepted & candidates & is_between).to_bits();
+    // Vacant lanes are hit as often as the lane that they repeat.
+    let is_taken = L::below(L::load(bytemuck::cast_ref(&block.primitives)).bits(), L::Bits::splat(NONE));
+    let mut accepted = (accepted & candidates & is_between & is_taken).to_bits();
     let (t, u, v) = (found.t.to_array(), found.u.to_array(), found.v.to_array());
     while accepted != 0 {
         let lane = accepted.trailing_zeros() as usize;

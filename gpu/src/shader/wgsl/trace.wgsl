@@ -1,11 +1,11 @@
 // The walk from leaf to leaf, as core/src/trace.rs makes it:
 //
-//     cell = the leaf that holds the point where the ray enters the root cube
+//     cell = the leaf that holds the point where the ray enters the hull
 //     repeat:
 //         if the leaf lists anything and the ray meets its hull:
 //             test the blocks of triangles whose boxes the ray meets, and keep the nearest hit
 //         find the face by which the ray leaves the cell
-//         end if the nearest hit lies before that face by the padding, or no leaf lies behind the face
+//         end if the nearest hit, or the hull's end, lies before that face by the padding, or no leaf lies behind the face
 //         cell = the leaf behind the face: as large, larger, or of four smaller ones the one that the ray enters
 //
 // It departs from that walk in order, not in arithmetic:
@@ -36,27 +36,27 @@ fn offer(nearest: ptr<function, Nearest>, found: Candidate, primitive: u32) {
     }
 }
 
-// core/src/trace.rs: start; `is_met` is false where that returns None.
-struct Start {
-    point: vec3<f32>,
+// core/src/start.rs: Span
+struct Span {
+    start: vec3<f32>,
+    end: f32,
     is_met: bool,
 }
 
-// core/src/trace.rs: start
-fn start_of(line: Line, ray: CanonicalRay) -> Start {
-    let edge = f32(LATTICE);
-    let a = mul3(sub3(vec3<f32>(-PADDING), line.origin), line.inverse);
-    let b = mul3(sub3(vec3<f32>(edge + PADDING), line.origin), line.inverse);
+// core/src/start.rs: Span::new
+fn span_of(line: Line, ray: CanonicalRay) -> Span {
+    let a = mul3(sub3(setup.hull_lower, line.origin), line.inverse);
+    let b = mul3(sub3(setup.hull_upper, line.origin), line.inverse);
     let near = min(a, b);
     let far = max(a, b);
-    let first = max(max(sub(ray.t_min, START_MARGIN), near.x), max(near.y, near.z));
+    let first = max(max(ray.t_min, near.x), max(near.y, near.z));
     let last = min(min(ray.t_max, far.x), min(far.y, far.z));
-    let point = add3(line.origin, mul3(vec3<f32>(first), line.direction));
+    let start = add3(line.origin, mul3(vec3<f32>(sub(first, START_MARGIN)), line.direction));
     let is_met = first <= last && ray.t_min < ray.t_max;
-    return Start(clamp(point, vec3<f32>(0.0), vec3<f32>(edge)), is_met);
+    return Span(clamp(start, vec3<f32>(0.0), vec3<f32>(f32(LATTICE))), last, is_met);
 }
 
-// core/src/trace.rs: Walk::locate
+// core/src/start.rs: locate
 fn locate(point: vec3<f32>, line: Line) -> Crossing {
     let whole = min(vec3<u32>(point), vec3<u32>(LATTICE - 1u));
     let backs_off = (upward(line) == vec3<u32>(0u)) & (vec3<f32>(whole) == point) & (whole > vec3<u32>(0u));
@@ -111,10 +111,13 @@ fn test_block(block: u32, shear: Shear, nearest: ptr<function, Nearest>) {
     while candidates != 0u {
         let lane = firstTrailingBit(candidates);
         candidates &= candidates - 1u;
-        let found = finish(shear, block, lane);
-        if found.is_accepted {
-            let primitives = setup.blocks + block * BLOCK_QUADS + PRIMITIVES_QUAD;
-            offer(nearest, found, word((primitives << 2u) + lane));
+        let primitive = word(((setup.blocks + block * BLOCK_QUADS + PRIMITIVES_QUAD) << 2u) + lane);
+        // A vacant lane would be finished as often as the lane that it repeats.
+        if primitive != NONE {
+            let found = finish(shear, block, lane);
+            if found.is_accepted {
+                offer(nearest, found, primitive);
+            }
         }
     }
 }
@@ -171,17 +174,17 @@ fn advance(line: Line, at: ptr<function, Crossing>, head: vec4<u32>, t: f32) -> 
 fn walk(ray: CanonicalRay) -> Search {
     var nearest = Nearest(ray.t_min, ray.t_max, 0.0, 0.0, NONE);
     let line = line_of(ray);
-    let start = start_of(line, ray);
-    if !start.is_met {
+    let span = span_of(line, ray);
+    if !span.is_met {
         return Search(nearest, 0u, 0u);
     }
     let slope = slope_of(ray.direction);
-    var at = locate(start.point, line);
+    var at = locate(span.start, line);
     var head = quad(setup.records + at.record * RECORD_QUADS);
     var cells = 1u;
     var blocks = 0u;
     loop {
-        while t_count(head.x) == 0u && advance(line, &at, head, nearest.t) {
+        while t_count(head.x) == 0u && advance(line, &at, head, min(nearest.t, span.end)) {
             head = quad(setup.records + at.record * RECORD_QUADS);
             cells += 1u;
         }
@@ -189,7 +192,7 @@ fn walk(ray: CanonicalRay) -> Search {
             break;
         }
         blocks += leaf(head.y, ray.origin, line, slope, &nearest);
-        if (ANY_HIT && is_hit(nearest)) || !advance(line, &at, head, nearest.t) {
+        if (ANY_HIT && is_hit(nearest)) || !advance(line, &at, head, min(nearest.t, span.end)) {
             break;
         }
         head = quad(setup.records + at.record * RECORD_QUADS);
