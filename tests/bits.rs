@@ -89,7 +89,7 @@ type Way<'a> = (&'a str, &'a dyn Fn(&Scene) -> Vec<Hit>);
 
 #[test]
 fn all_tracers_of_all_builds() {
-    let ways: [Way<'_>; 11] = [
+    let ways: [Way<'_>; 13] = [
         ("every triangle", &|scene| scene.hits(&BruteForce::new(&scene.mesh).expect("a mesh that builds"))),
         ("the scalar walk", &|scene| scene.hits(&scene.octree)),
         ("the scalar walk by Plücker signs", &|scene| {
@@ -98,10 +98,12 @@ fn all_tracers_of_all_builds() {
         ("batches", &|scene| scene.hits(&scene.batches())),
         ("streams", &|scene| scene.hits(&testing::streamed(scene.batches()))),
         ("interleaved rays", &|scene| scene.hits(&testing::interleaved(scene.batches()))),
+        ("walks in lanes", &|scene| scene.hits(&testing::walked(scene.batches()))),
         ("single rays", &|scene| scene.hits(&OneByOne(&scene.batches()))),
         ("batches in portable registers", &|scene| scene.hits(&scene.portable())),
         ("streams in portable registers", &|scene| scene.hits(&testing::streamed(scene.portable()))),
         ("interleaved rays in portable registers", &|scene| scene.hits(&testing::interleaved(scene.portable()))),
+        ("walks in lanes, in portable registers", &|scene| scene.hits(&testing::walked(scene.portable()))),
         ("single rays in portable registers", &|scene| scene.hits(&OneByOne(&scene.portable()))),
     ];
     let scenes = scenes();

@@ -37,6 +37,7 @@ mod verify;
 pub use brute_force::BruteForce;
 pub use build::{BuildError, Builder, Progress};
 pub use mesh::{Mesh, MeshRef};
+pub use trace::Way;
 pub use tracer::CpuTracer;
 pub use verify::{Verified, VerifyError, verify, verify_against};
 

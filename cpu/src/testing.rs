@@ -49,25 +49,28 @@ pub fn untiled<W>(mut tracer: CpuTracer<W>) -> CpuTracer<W> {
     tracer
 }
 
-/// A tracer that takes every ray that no tile answers by itself.
+/// A tracer that traces batches ray by ray.
 #[must_use]
-pub fn single<W>(mut tracer: CpuTracer<W>) -> CpuTracer<W> {
-    tracer.way = Way::Single;
-    tracer
+pub fn single<W: AsRef<[u32]> + Sync>(tracer: CpuTracer<W>) -> CpuTracer<W> {
+    tracer.with_way(Way::Single)
 }
 
 /// A tracer that uses streams however few rays there are, and however little they share.
 #[must_use]
-pub fn streamed<W>(mut tracer: CpuTracer<W>) -> CpuTracer<W> {
-    tracer.way = Way::Stream;
-    tracer
+pub fn streamed<W: AsRef<[u32]> + Sync>(tracer: CpuTracer<W>) -> CpuTracer<W> {
+    tracer.with_way(Way::Stream)
 }
 
-/// A tracer that always interleaves the rays that no tile answers.
+/// A tracer that always interleaves the rays.
 #[must_use]
-pub fn interleaved<W>(mut tracer: CpuTracer<W>) -> CpuTracer<W> {
-    tracer.way = Way::Interleaved;
-    tracer
+pub fn interleaved<W: AsRef<[u32]> + Sync>(tracer: CpuTracer<W>) -> CpuTracer<W> {
+    tracer.with_way(Way::Interleaved)
+}
+
+/// A tracer that walks from leaf to leaf.
+#[must_use]
+pub fn walked<W: AsRef<[u32]> + Sync>(tracer: CpuTracer<W>) -> CpuTracer<W> {
+    tracer.with_way(Way::Walk)
 }
 
 /// A tracer whose beams are wider than their rays by this, in lattice steps: too small, and a test has to notice.

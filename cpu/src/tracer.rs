@@ -23,7 +23,7 @@ pub struct CpuTracer<W> {
     frame: PreparedFrame,
     pub(crate) registers: Registers,
     pub(crate) tiling: Tiling,
-    pub(crate) way: Way,
+    way: Way,
 }
 
 impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
@@ -31,6 +31,12 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
     pub fn new(octree: Octree<W>) -> Self {
         let frame = octree.frame().prepare();
         Self { octree, frame, registers: Registers::detect(), tiling: Tiling::STANDARD, way: Way::Auto }
+    }
+
+    /// The same, whose batches are traced in one way.
+    #[must_use]
+    pub fn with_way(self, way: Way) -> Self {
+        Self { way, ..self }
     }
 
     /// The octree that is traced.
@@ -96,11 +102,11 @@ impl CpuTracer<&[u32]> {
         thread_local!(static SCRATCH: RefCell<Scratch> = const { RefCell::new(Scratch::new()) });
         LengthMismatch::check(rays.len(), answers.len())?;
         let bvh = &Bvh::new(&self.octree, self.frame, blocks);
-        let Self { tiling, way, .. } = *self;
+        let Self { ref octree, tiling, way, .. } = *self;
         let tasks = rays.par_chunks(TASK).zip(answers.par_chunks_mut(TASK));
         tasks.for_each(|(rays, answers)| {
             SCRATCH.with_borrow_mut(|scratch| {
-                self.registers.run(Batch::<B, Q> { bvh, tiling, way, scratch, rays, answers });
+                self.registers.run(Batch::<B, Q> { octree, bvh, tiling, way, scratch, rays, answers });
             });
         });
         Ok(())

@@ -74,7 +74,8 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
     let (singles, portable_singles) = (OneByOne(&batches), OneByOne(&portable));
     let (streamed, portable_streamed) = (testing::streamed(batches.clone()), testing::streamed(portable.clone()));
     let interleaved = testing::interleaved(batches.clone());
-    let tracers: [Named<'_>; 10] = [
+    let (walked, portable_walked) = (testing::walked(batches.clone()), testing::walked(portable.clone()));
+    let tracers: [Named<'_>; 12] = [
         ("the octree", &scene.octree),
         ("the walk with slab steps", &slab),
         ("the walk with Plücker steps", &pluecker),
@@ -82,20 +83,24 @@ fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) 
         ("single rays", &singles),
         ("streams", &streamed),
         ("interleaved rays", &interleaved),
+        ("walks in lanes", &walked),
         ("portable batches", &portable),
         ("portable single rays", &portable_singles),
         ("portable streams", &portable_streamed),
+        ("portable walks in lanes", &portable_walked),
     ];
     differences(&tracers, &scene.brute_force, &hard(mesh), scaled(count), seed).passes(name, 0.05);
     // What is right by now is the oracle for the compact octree.
     let compact = CpuTracer::new(scene.compact.view());
     let (streamed, interleaved) = (testing::streamed(compact.clone()), testing::interleaved(compact.clone()));
-    let tracers: [Named<'_>; 5] = [
+    let walked = testing::walked(compact.clone());
+    let tracers: [Named<'_>; 6] = [
         ("the compact octree", &scene.compact),
         ("compact batches", &compact),
         ("compact single rays", &OneByOne(&compact)),
         ("compact streams", &streamed),
         ("compact interleaved rays", &interleaved),
+        ("compact walks in lanes", &walked),
     ];
     differences(&tracers, &scene.octree, &hard(mesh), scaled(count / 8), seed + 700)
         .passes(&format!("{name}, compact"), 0.05);

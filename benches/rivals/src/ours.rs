@@ -4,7 +4,7 @@ use core::hash::{Hash, Hasher};
 use core::time::Duration;
 use std::hash::DefaultHasher;
 
-use leafwalk::{Builder, CpuTracer, Hit, LengthMismatch, Mesh, Octree, Ray, Tracer, hit_hash};
+use leafwalk::{Builder, CpuTracer, Hit, LengthMismatch, Mesh, Octree, Ray, Tracer, Way, hit_hash};
 
 use super::{Answer, Prepared, Rival, timed};
 
@@ -14,12 +14,14 @@ pub const DEFAULT: &str = "leafwalk";
 const SCALAR: &str = "leafwalk scalar";
 /// One ray a call.
 pub const SINGLE: &str = "leafwalk single";
+/// From leaf to leaf, in eight lanes.
+const WALK: &str = "leafwalk walk";
 /// Over a compact octree.
 const COMPACT: &str = "leafwalk compact";
 /// Over a compact octree, one ray a call.
 const COMPACT_SINGLE: &str = "leafwalk compact single";
 /// As tables list them.
-pub const NAMES: [&str; 5] = [DEFAULT, SCALAR, SINGLE, COMPACT, COMPACT_SINGLE];
+pub const NAMES: [&str; 6] = [DEFAULT, SCALAR, SINGLE, WALK, COMPACT, COMPACT_SINGLE];
 
 /// What most users get.
 pub fn default(octree: &Octree<Vec<u32>>) -> Box<dyn Rival + '_> {
@@ -33,6 +35,7 @@ pub fn all<'a>(octree: &'a Octree<Vec<u32>>, compact: &'a Octree<Vec<u32>>) -> V
         default(octree),
         ours(SCALAR, octree, octree),
         ours(SINGLE, octree, Single(CpuTracer::new(octree.view()))),
+        ours(WALK, octree, CpuTracer::new(octree.view()).with_way(Way::Walk)),
         ours(COMPACT, compact, CpuTracer::new(compact.view())),
         ours(COMPACT_SINGLE, compact, Single(CpuTracer::new(compact.view()))),
     ]

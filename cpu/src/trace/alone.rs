@@ -1,6 +1,8 @@
 //! `Alone`: the packets of a batch that no tile answers, and the way that their rays are traced.
 
+use leafwalk_core::contract::BOX_MARGIN;
 use leafwalk_core::layout::LatticeBox;
+use leafwalk_core::{Octree, Parts};
 
 use super::bvh::stack::Stack;
 use super::bvh::{BlockSource, Bvh};
@@ -10,6 +12,7 @@ use super::patience::Patience;
 use super::query::Query;
 use super::single::descend;
 use super::stream::Stream;
+use super::walk::Walk;
 use crate::lanes::Eight;
 
 /// Rays of a batch that are worth a stream.
@@ -17,30 +20,37 @@ const LEAST_STREAM: usize = 64;
 /// Rays that must meet a node that any meets, on average, or each is faster on its own way.
 const LEAST_SHARING: f32 = 3.0;
 
-/// How rays are traced that no tile answers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Way {
-    /// As suits the size of the batch, and how much the rays before them shared.
+/// How the rays of a batch are traced. No answer depends on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Way {
+    /// As suits each: rays in a row that go alike, together in tiles; the others by the size of the batch, and by how much
+    /// the rays before them shared.
+    #[default]
     Auto,
-    /// Ray by ray.
+    /// Ray by ray down the hierarchy.
     Single,
-    /// All rays of an octant together.
+    /// Down the hierarchy, all rays of an octant together.
     Stream,
-    /// Twelve at a time, each on its own way.
+    /// Down the hierarchy, twelve at a time, each on its own way.
     Interleaved,
+    /// From leaf to leaf of the octree, in groups of eight.
+    Walk,
 }
 
 /// What a thread keeps from one batch to the next.
 pub(crate) struct Scratch {
     /// Made when it is first needed.
     stream: Option<Stream>,
+    /// Likewise.
+    walk: Option<Walk>,
     /// Whether streams are worth a try.
     patience: Patience,
 }
 
 impl Scratch {
     pub(crate) const fn new() -> Self {
-        Self { stream: None, patience: Patience::new() }
+        Self { stream: None, walk: None, patience: Patience::new() }
     }
 }
 
@@ -48,6 +58,9 @@ impl Scratch {
 pub(crate) struct Alone<'a, L: Eight> {
     way: Way,
     hull: LatticeBox,
+    octree: &'a Octree<&'a [u32]>,
+    /// What walks want to know of the octree, once they have asked: its sections, and the dilated hull.
+    parts: Option<(Parts<'a>, [[f32; 3]; 2])>,
     scratch: &'a mut Scratch,
     interleaved: Interleaved<L>,
 }
@@ -55,9 +68,15 @@ pub(crate) struct Alone<'a, L: Eight> {
 impl<'a, L: Eight> Alone<'a, L> {
     /// For a batch of so many rays at triangles inside a hull.
     #[inline(always)]
-    pub(crate) fn new(way: Way, rays: usize, hull: LatticeBox, scratch: &'a mut Scratch) -> Self {
+    pub(crate) fn new(
+        way: Way,
+        rays: usize,
+        octree: &'a Octree<&'a [u32]>,
+        hull: LatticeBox,
+        scratch: &'a mut Scratch,
+    ) -> Self {
         let way = if way == Way::Auto && rays < LEAST_STREAM { Way::Single } else { way };
-        Self { way, hull, scratch, interleaved: Interleaved::new() }
+        Self { way, hull, octree, parts: None, scratch, interleaved: Interleaved::new() }
     }
 
     /// Takes in the rays of a packet; without a packet, traces all that are left to the end. The answers of rays that miss
@@ -79,7 +98,7 @@ impl<'a, L: Eight> Alone<'a, L> {
             None if self.way == Way::Auto => return,
             None => {}
         }
-        let Scratch { stream, patience } = self.scratch;
+        let Scratch { stream, walk, patience } = self.scratch;
         match self.way {
             Way::Auto | Way::Single => {
                 let Some(packet) = packet else { return };
@@ -97,6 +116,12 @@ impl<'a, L: Eight> Alone<'a, L> {
                 }
             }
             Way::Interleaved => self.interleaved.admit::<B, Q>(bvh, packet, answers),
+            Way::Walk => {
+                let (octree, hull) = (self.octree, &self.hull);
+                let (parts, hull) = self.parts.get_or_insert_with(|| (octree.parts(), hull.dilated(BOX_MARGIN)));
+                let walk = walk.get_or_insert_with(Walk::new);
+                walk.admit::<L, B, Q>(parts, &bvh.blocks, hull, packet, answers);
+            }
         }
     }
 

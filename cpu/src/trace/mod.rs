@@ -24,12 +24,14 @@ mod run;
 pub(crate) mod single;
 mod stream;
 mod tile;
+mod walk;
 
-use leafwalk_core::Ray;
+use leafwalk_core::{Octree, Ray};
 
 use crate::lanes::{Eight, Kernel};
 use alone::Alone;
-pub(crate) use alone::{Scratch, Way};
+pub(crate) use alone::Scratch;
+pub use alone::Way;
 use bvh::stack::TileStack;
 use bvh::{BlockSource, Bvh};
 use packet::Packet;
@@ -44,6 +46,7 @@ const LEAST_RUN: usize = 4;
 
 /// A batch of rays to answer.
 pub(crate) struct Batch<'a, B, Q: Query> {
+    pub(crate) octree: &'a Octree<&'a [u32]>,
     pub(crate) bvh: &'a Bvh<'a, B>,
     pub(crate) tiling: Tiling,
     pub(crate) way: Way,
@@ -57,13 +60,13 @@ impl<B: BlockSource, Q: Query> Kernel for Batch<'_, B, Q> {
 
     #[inline(always)]
     fn run<L: Eight>(self) {
-        let Self { bvh, tiling, way, scratch, rays, answers } = self;
+        let Self { octree, bvh, tiling, way, scratch, rays, answers } = self;
         answers.fill(Q::MISS);
         if bvh.nodes.is_empty() {
             return;
         }
         let mut waiting = TileStack::new();
-        let mut alone = Alone::<L>::new(way, rays.len(), bvh.hull(), scratch);
+        let mut alone = Alone::<L>::new(way, rays.len(), octree, bvh.hull(), scratch);
         let mut patience = Patience::new();
         let mut run = Run::new();
         let mut eights = (0..).step_by(8).zip(rays.chunks(8));
@@ -78,7 +81,7 @@ impl<B: BlockSource, Q: Query> Kernel for Batch<'_, B, Q> {
             }
             let mut at = 0;
             let is_tried = match tiling.runs {
-                Runs::Worthwhile => run.len() >= LEAST_RUN && patience.tries(),
+                Runs::Worthwhile => way == Way::Auto && run.len() >= LEAST_RUN && patience.tries(),
                 Runs::All => run.len() > 0,
                 Runs::None => false,
             };

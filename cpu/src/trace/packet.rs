@@ -3,10 +3,10 @@
 //! Every ray of a batch becomes part of a packet, once. Whatever traces it takes the packet as it is, or ray by ray.
 
 use leafwalk_core::canonical::{CommonRays, PreparedFrame};
-use leafwalk_core::lanes::{Bits, Lanes, Mask as _};
+use leafwalk_core::lanes::{Bits, Lanes, Mask};
 use leafwalk_core::layout::LatticeBox;
 use leafwalk_core::slabs::Slabs;
-use leafwalk_core::step::inverse;
+use leafwalk_core::step::{Line, inverse};
 use leafwalk_core::triangle::{PERMUTATIONS, Shear, main_axis};
 use leafwalk_core::{Clock, Nearest, Ray, unroll};
 
@@ -24,6 +24,9 @@ pub(crate) type Row = [f32; 8];
 pub(crate) struct Packet {
     /// The place of the first ray in the batch.
     pub(crate) first: u32,
+    /// The origin as seen from the root's corner.
+    within: [Row; 3],
+    direction: [Row; 3],
     /// t' of a lattice step, per axis.
     pub(crate) inverse: [Row; 3],
     /// See [`Slabs::lower`].
@@ -91,6 +94,8 @@ impl Packet {
         let rows = [[0.0; 8]; 3];
         Self {
             first: 0,
+            within: rows,
+            direction: rows,
             inverse: rows,
             lower: rows,
             upper: rows,
@@ -131,6 +136,8 @@ impl Packet {
         let main_axis = L::Bits::splat(2).minus(is_x << one).minus(is_y);
         Self {
             first,
+            within: rows(ray.within),
+            direction: rows(ray.direction),
             inverse: rows(slabs.inverse),
             lower: rows(slabs.lower),
             upper: rows(slabs.upper),
@@ -176,7 +183,23 @@ impl Packet {
         let lower: [L; 3] = unroll!(k in 0..3 => L::splat(f32::from(lower[k])));
         let upper: [L; 3] = unroll!(k in 0..3 => L::splat(f32::from(upper[k])));
         let (first, last) = slabs.clip(lower, upper, L::load(&self.t_min), L::load(&self.t_max));
-        self.waiting &= first.at_most(last).to_bits();
+        self.keep(first.at_most(last));
+    }
+
+    /// Lets only these lanes wait, of those that do.
+    #[inline(always)]
+    pub(crate) fn keep(&mut self, lanes: impl Mask) {
+        self.waiting &= lanes.to_bits();
+    }
+
+    /// What steps from cell to cell want to know of the rays.
+    #[inline(always)]
+    pub(crate) fn line<L: Eight>(&self) -> Line<L> {
+        Line::with_inverse(
+            unroll!(k in 0..3 => L::load(&self.within[k])),
+            unroll!(k in 0..3 => L::load(&self.direction[k])),
+            unroll!(k in 0..3 => L::load(&self.inverse[k])),
+        )
     }
 
     /// What the near and the far sides of boxes add to t', per axis; each lane by its own octant.
@@ -209,24 +232,64 @@ impl Packet {
         Nearest::between(L::load(&self.t_min), L::load(&self.t_max))
     }
 
-    /// The next ray that waits, of which there must be one, with its place in the batch.
+    /// What boxes are tested with against the ray of a lane, the same in every lane.
     #[inline(always)]
-    pub(crate) fn take<L: Eight>(&mut self) -> (usize, Probe<L>) {
+    pub(crate) fn slabs_of<L: Eight>(&self, lane: usize) -> Slabs<L> {
+        Slabs {
+            inverse: unroll!(k in 0..3 => L::splat(self.inverse[k][lane])),
+            lower: unroll!(k in 0..3 => L::splat(self.lower[k][lane])),
+            upper: unroll!(k in 0..3 => L::splat(self.upper[k][lane])),
+        }
+    }
+
+    /// What triangles are tested with against the ray of a lane, and the axes in its order.
+    #[inline(always)]
+    pub(crate) fn shear_of(&self, lane: usize) -> (Shear<f32>, [usize; 3]) {
+        let shear = Shear {
+            origin: unroll!(k in 0..3 => self.origin[k][lane]),
+            slope: unroll!(k in 0..3 => self.slope[k][lane]),
+        };
+        (shear, PERMUTATIONS[self.main_axis[lane] as usize % 3])
+    }
+
+    /// Takes a ray of another packet into a lane.
+    #[inline(always)]
+    pub(crate) fn set_ray(&mut self, lane: usize, other: &Self, from: usize) {
+        for k in 0..3 {
+            self.within[k][lane] = other.within[k][from];
+            self.direction[k][lane] = other.direction[k][from];
+            self.inverse[k][lane] = other.inverse[k][from];
+            self.lower[k][lane] = other.lower[k][from];
+            self.upper[k][lane] = other.upper[k][from];
+            self.origin[k][lane] = other.origin[k][from];
+            self.slope[k][lane] = other.slope[k][from];
+        }
+        self.speed[lane] = other.speed[from];
+        (self.t_min[lane], self.t_max[lane]) = (other.t_min[from], other.t_max[from]);
+        self.clocks.entry[lane] = other.clocks.entry[from];
+        self.clocks.unit[lane] = other.clocks.unit[from];
+        (self.neg[lane], self.main_axis[lane]) = (other.neg[from], other.main_axis[from]);
+    }
+
+    /// The lane of the next ray that waits, of which there must be one; from now on it does not.
+    #[inline(always)]
+    pub(crate) fn next(&mut self) -> usize {
         debug_assert!(self.waiting != 0);
         let lane = self.waiting.trailing_zeros() as usize & 7;
         self.waiting &= self.waiting.wrapping_sub(1);
+        lane
+    }
+
+    /// The next ray that waits, of which there must be one, with its place in the batch.
+    #[inline(always)]
+    pub(crate) fn take<L: Eight>(&mut self) -> (usize, Probe<L>) {
+        let lane = self.next();
+        let (shear, axes) = self.shear_of(lane);
         let probe = Probe {
-            slabs: Slabs {
-                inverse: unroll!(k in 0..3 => L::splat(self.inverse[k][lane])),
-                lower: unroll!(k in 0..3 => L::splat(self.lower[k][lane])),
-                upper: unroll!(k in 0..3 => L::splat(self.upper[k][lane])),
-            },
-            shear: Shear {
-                origin: unroll!(k in 0..3 => self.origin[k][lane]),
-                slope: unroll!(k in 0..3 => self.slope[k][lane]),
-            },
+            slabs: self.slabs_of(lane),
+            shear,
             order: L::order(self.neg[lane]),
-            axes: PERMUTATIONS[self.main_axis[lane] as usize % 3],
+            axes,
             neg: self.neg[lane],
             nearest: Nearest::between(self.t_min[lane], self.t_max[lane]),
             clock: self.clocks.get(lane),
@@ -247,6 +310,12 @@ fn permute<L: Lanes>(p: [L; 3], is_x: L::Mask, is_y: L::Mask) -> [L; 3] {
 #[inline(always)]
 fn rows<L: Eight>(lanes: [L; 3]) -> [Row; 3] {
     unroll!(k in 0..3 => lanes[k].to_array())
+}
+
+/// Integers from memory.
+#[inline(always)]
+pub(crate) fn load_integers<L: Eight>(row: &[u32; 8]) -> L::Bits {
+    L::load(bytemuck::cast_ref(row)).bits()
 }
 
 #[inline(always)]

@@ -24,6 +24,13 @@ pub(crate) fn under<P: Policy + Sync>(octree: &Octree<Vec<u32>>, source: Source<
     differences(&tracers, &Every::<f32>::of(octree), source, scaled(RAYS), seed)
 }
 
+/// P2 of the walk in eight lanes, which knows no policies: for octrees that were built wrong.
+pub(crate) fn in_lanes(octree: &Octree<Vec<u32>>, source: Source<'_>, seed: u64) -> Tally {
+    let tracers = [CpuTracer::new(octree.view()), testing::portable(CpuTracer::new(octree.view()))].map(testing::walked);
+    let tracers: [Named<'_>; 2] = [("walks in lanes", &tracers[0]), ("portable walks in lanes", &tracers[1])];
+    differences(&tracers, &Every::<f32>::of(octree), source, scaled(RAYS), seed)
+}
+
 #[derive(Clone, Copy)]
 struct FirstHit;
 impl Policy for FirstHit {
@@ -152,6 +159,9 @@ fn boxes_too_small() {
     };
     check(Spoiled::Nothing).passes("whole boxes, P2", 0.05);
     check(Spoiled::Boxes).catches("boxes a lattice step too small");
+    let build = |spoiled| spoil(Builder::new(), spoiled).build(&mesh).expect("a mesh that builds");
+    in_lanes(&build(Spoiled::Nothing), &hard(&mesh), 65).passes("whole boxes, P2 of walks in lanes", 0.05);
+    in_lanes(&build(Spoiled::Boxes), &hard(&mesh), 65).catches("boxes a lattice step too small, in lanes");
 }
 
 #[test]

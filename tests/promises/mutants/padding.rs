@@ -1,14 +1,16 @@
 //! The mutant that bins without padding: it survives ordinary rays, for only where a rounded step enters the wrong one
 //! of four cells around an edge, and a speck lies in the right one, is a hit lost.
 
-use leafwalk::Ray;
+use leafwalk::{Octree, Ray};
 use leafwalk_core::testing::Standard;
 use leafwalk_cpu::testing::Spoiled;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::rays::towards;
+use leafwalk_testing::tally::Tally;
 
-use super::clauses::under;
+use super::clauses::{in_lanes, under};
 use super::lattice::{CORNERS, on_lattice, steps};
+use crate::same_answer::Source;
 
 /// Leaves of 1/16 of the root.
 const LEVEL: u32 = 4;
@@ -56,15 +58,19 @@ fn across_the_edge(root: [f32; 3], specks: &[Speck], random: &mut Random) -> Ray
     towards(origin, target)
 }
 
+type Check = fn(&Octree<Vec<u32>>, Source<'_>, u64) -> Tally;
+
 #[test]
 fn no_padding() {
     for root in CORNERS {
         let specks: Vec<Speck> = (0..400).map(|index| speck(root, 81, index)).collect();
         let triangles: Vec<_> = specks.iter().map(|speck| speck.corners).collect();
         let rays = |random: &mut Random| across_the_edge(root, &specks, random);
-        under::<Standard>(&on_lattice(&triangles, root, LEVEL, Spoiled::Nothing), &rays, 82)
-            .passes(&format!("specks binned with padding, P2, root at {root:?}"), 0.05);
-        under::<Standard>(&on_lattice(&triangles, root, LEVEL, Spoiled::Padding), &rays, 82)
-            .catches(&format!("padding 0, root at {root:?}"));
+        let [padded, unpadded] =
+            [Spoiled::Nothing, Spoiled::Padding].map(|spoiled| on_lattice(&triangles, root, LEVEL, spoiled));
+        for (walk, name) in [(under::<Standard> as Check, "one by one"), (in_lanes, "in lanes")] {
+            walk(&padded, &rays, 82).passes(&format!("specks binned with padding, P2 {name}, root at {root:?}"), 0.05);
+            walk(&unpadded, &rays, 82).catches(&format!("padding 0, {name}, root at {root:?}"));
+        }
     }
 }

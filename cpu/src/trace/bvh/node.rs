@@ -7,6 +7,7 @@ use leafwalk_core::triangle::{Shear, Sheared};
 use leafwalk_core::{Nearest, unroll};
 
 use crate::lanes::Eight;
+use crate::trace::packet::load_integers;
 
 /// Boxes as rays of one octant meet them, one a lane.
 ///
@@ -51,12 +52,15 @@ impl<L: Eight> NearFarBoxes<L> {
     }
 }
 
-/// Which of a node's eight boxes a ray meets, a bit a lane, and t' where it enters them.
+/// Lower and upper sides of eight boxes, axis by axis: those of a node, or of a payload.
+pub(crate) type Sides = [[[u16; 8]; 2]; 3];
+
+/// Which of eight boxes a ray meets, a bit a lane, and t' where it enters them.
 #[inline(always)]
-pub(crate) fn boxes_hit<L: Eight>(slabs: &Slabs<L>, order: L::Order, node: &BvhNode, nearest: &Nearest) -> (L, u32) {
+pub(crate) fn boxes_hit<L: Eight>(slabs: &Slabs<L>, order: L::Order, boxes: &Sides, nearest: &Nearest) -> (L, u32) {
     let sides: [[L; 3]; 2] = [
-        unroll!(k in 0..3 => L::from_steps(&node.sides[k][0], order)),
-        unroll!(k in 0..3 => L::from_steps(&node.sides[k][1], order)),
+        unroll!(k in 0..3 => L::from_steps(&boxes[k][0], order)),
+        unroll!(k in 0..3 => L::from_steps(&boxes[k][1], order)),
     ];
     let (first, last) = slabs.clip(sides[0], sides[1], L::splat(nearest.t_min), L::splat(nearest.t));
     (first, first.at_most(last).to_bits())
@@ -74,7 +78,7 @@ pub(crate) fn test_block<L: Eight>(block: &Block, shear: &Shear<L>, axes: [usize
     let (accepted, found) = sheared.finish(shear, &corners);
     let is_between = L::splat(nearest.t_min).less(found.t) & found.t.at_most(L::splat(nearest.t));
     // Vacant lanes are hit as often as the lane that they repeat.
-    let is_taken = L::below(L::load(bytemuck::cast_ref(&block.primitives)).bits(), L::Bits::splat(NONE));
+    let is_taken = L::below(load_integers::<L>(&block.primitives), L::Bits::splat(NONE));
     let mut accepted = (accepted & candidates & is_between & is_taken).to_bits();
     let (t, u, v) = (found.t.to_array(), found.u.to_array(), found.v.to_array());
     while accepted != 0 {

@@ -1,0 +1,212 @@
+//! `Group`: eight rays, each in its own cell, and what a round does with them.
+
+use leafwalk_core::contract::PADDING;
+use leafwalk_core::lanes::{Bits as _, Mask as _};
+use leafwalk_core::layout::{Block, LINK_NONE, NONE, PAYLOAD_BLOCKS, Payload};
+use leafwalk_core::step::{Cell, Slab, Step as _, cross, link_kind, neighbour};
+use leafwalk_core::triangle::Shear;
+use leafwalk_core::{Nearest, Parts, unroll};
+
+use super::Visit;
+use crate::lanes::Eight;
+use crate::trace::bvh::BlockSource;
+use crate::trace::bvh::node::{boxes_hit, test_block};
+use crate::trace::packet::{Packet, Row, integers, load_integers};
+use crate::trace::query::Query;
+
+/// Eight rays on their way. A lane without a ray stands in record 0, the root, from where no step leads on.
+#[repr(align(64))]
+pub(super) struct Group {
+    rays: Packet,
+    /// The places of the rays in the batch.
+    index: [u32; 8],
+    /// t' where each walk may end: see [`leafwalk_core::start::Span`].
+    end: Row,
+    /// The nearest hits so far: see [`Nearest`].
+    t: Row,
+    u: Row,
+    v: Row,
+    primitive: [u32; 8],
+    /// The cells that the rays are in, and the numbers of their records.
+    record: [u32; 8],
+    corner: [[u32; 8]; 3],
+    size: [u32; 8],
+    /// The first words of the records.
+    head: [u32; 8],
+    /// The payloads of the leaves.
+    payload: [u32; 8],
+    /// The lanes that have a ray.
+    busy: u32,
+    /// The lanes whose leaves list anything.
+    listing: u32,
+}
+
+impl Group {
+    /// A group without rays.
+    pub(super) const EMPTY: Self = Self {
+        rays: Packet::EMPTY,
+        index: [0; 8],
+        end: [0.0; 8],
+        t: [0.0; 8],
+        u: [0.0; 8],
+        v: [0.0; 8],
+        primitive: [NONE; 8],
+        record: [0; 8],
+        corner: [[0; 8]; 3],
+        size: [1; 8],
+        head: [0; 8],
+        payload: [0; 8],
+        busy: 0,
+        listing: 0,
+    };
+
+    /// A ray of a packet starts in a lane that has none, at a point of the root.
+    #[inline(always)]
+    pub(super) fn start(
+        &mut self,
+        lane: usize,
+        parts: &Parts<'_>,
+        packet: &Packet,
+        from: usize,
+        start: [f32; 3],
+        end: f32,
+    ) {
+        self.rays.set_ray(lane, packet, from);
+        self.index[lane] = packet.first + from as u32;
+        (self.end[lane], self.t[lane], self.primitive[lane]) = (end, packet.t_max[from], NONE);
+        let (record, Cell { corner, size }) = parts.locate(start, packet.neg[from]);
+        (self.record[lane], self.size[lane]) = (record, size);
+        for k in 0..3 {
+            self.corner[k][lane] = corner[k];
+        }
+        self.busy |= 1 << lane;
+    }
+
+    /// Looks at the records of the cells, and asks for what their leaves list.
+    #[inline(always)]
+    pub(super) fn look<L: Eight>(&mut self, parts: &Parts<'_>) {
+        if self.busy == 0 {
+            self.listing = 0;
+            return;
+        }
+        let mut listing = 0;
+        for lane in 0..8 {
+            let record = &parts.records[self.record[lane] as usize];
+            (self.head[lane], self.payload[lane]) = (record.head, record.offset);
+            listing |= u32::from(record.head().t_count() != 0) << lane;
+        }
+        self.listing = listing & self.busy;
+        let mut listing = self.listing;
+        while listing != 0 {
+            let lane = listing.trailing_zeros() as usize & 7;
+            listing &= listing - 1;
+            if let Some(payload) = parts.payloads.get(self.payload[lane] as usize) {
+                L::prefetch(payload);
+            }
+        }
+    }
+
+    /// Finds the blocks whose boxes the rays meet in their leaves, and asks for them.
+    #[inline(always)]
+    pub(super) fn meet<L: Eight, B: BlockSource>(
+        &self,
+        parts: &Parts<'_>,
+        blocks: &B,
+        first_lane: u32,
+        visits: &mut Vec<Visit>,
+    ) {
+        let order = L::order(0);
+        let mut listing = self.listing;
+        while listing != 0 {
+            let lane = listing.trailing_zeros() as usize & 7;
+            listing &= listing - 1;
+            let slabs = self.rays.slabs_of::<L>(lane);
+            let nearest = self.nearest(lane);
+            let mut next = self.payload[lane];
+            while let Some(payload) = parts.payloads.get(next as usize) {
+                let Payload { sides, count, first: first_block, .. } = payload;
+                let (first, met) = boxes_hit(&slabs, order, sides, &nearest);
+                let mut met = met & ((1 << count) - 1);
+                let first = first.to_array();
+                while met != 0 {
+                    let at = met.trailing_zeros() as usize % PAYLOAD_BLOCKS;
+                    met &= met - 1;
+                    let block = first_block + at as u32;
+                    blocks.prefetch::<L>(block as usize);
+                    visits.push(Visit { lane: first_lane + lane as u32, block, first: first[at] });
+                }
+                next = payload.next;
+            }
+        }
+    }
+
+    /// Tests a block's triangles against a ray, unless it has a hit before them.
+    #[inline(always)]
+    pub(super) fn visit<L: Eight, B: BlockSource, Q: Query>(
+        &mut self,
+        lane: usize,
+        blocks: &B,
+        block: u32,
+        first: f32,
+        room: &mut Option<Block>,
+    ) {
+        if first > self.t[lane] {
+            return;
+        }
+        let Some(block) = blocks.block(block as usize, room) else { return };
+        let mut nearest = self.nearest(lane);
+        let (shear, axes) = self.rays.shear_of(lane);
+        test_block(block, &Shear::<L>::splat(&shear), axes, &mut nearest);
+        if Q::ANY {
+            nearest.finish();
+        }
+        let Nearest { t, u, v, primitive, .. } = nearest;
+        (self.t[lane], self.u[lane], self.v[lane], self.primitive[lane]) = (t, u, v, primitive);
+    }
+
+    #[inline(always)]
+    fn nearest(&self, lane: usize) -> Nearest {
+        let (t_min, t, primitive) = (self.rays.t_min[lane], self.t[lane], self.primitive[lane]);
+        Nearest { t_min, t, u: self.u[lane], v: self.v[lane], primitive }
+    }
+
+    /// Brings the rays into their next cells and asks for the records of these; answers the rays that end, and gives their
+    /// lanes.
+    #[inline(always)]
+    pub(super) fn step<L: Eight, Q: Query>(&mut self, parts: &Parts<'_>, answers: &mut [Q::Answer]) -> u32 {
+        if self.busy == 0 {
+            return 0;
+        }
+        let line = self.rays.line::<L>();
+        let cell = Cell::<L> {
+            corner: unroll!(k in 0..3 => load_integers::<L>(&self.corner[k])),
+            size: load_integers::<L>(&self.size),
+        };
+        let head = load_integers::<L>(&self.head);
+        let exit = Slab::exit(&line, &cell);
+        let last = L::load(&self.t).min(L::load(&self.end));
+        let is_done = (last * exit.speed).less(exit.distance - L::splat(PADDING));
+        const { assert!(LINK_NONE == 0) };
+        let has_next = !L::below(link_kind::<L>(head, exit.face), L::Bits::splat(1)) & !is_done;
+        let faces = integers::<L>(exit.face);
+        let next: [u32; 8] = unroll!(lane in 0..8 => {
+            neighbour(&parts.records[self.record[lane] as usize], faces[lane])
+        });
+        let (record, cell) = cross::<L, Slab>(&line, &cell, &exit, head, load_integers::<L>(&next));
+        self.record = integers::<L>(record & L::indicator(has_next).spread());
+        self.corner = unroll!(k in 0..3 => integers::<L>(cell.corner[k]));
+        self.size = integers::<L>(cell.size);
+        for lane in 0..8 {
+            L::prefetch(&parts.records[self.record[lane] as usize]);
+        }
+        let ended = self.busy & !has_next.to_bits();
+        self.busy &= !ended;
+        let mut left = ended;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize & 7;
+            left &= left - 1;
+            answers[self.index[lane] as usize] = Q::answer(&self.rays.clocks.get(lane), &self.nearest(lane));
+        }
+        ended
+    }
+}
