@@ -6,7 +6,7 @@ use crate::aabb::Aabb;
 use crate::blocks::{Blocks, Indexed};
 use crate::error::DecodeError;
 use crate::frame::Frame;
-use crate::layout::{BvhNode, Section};
+use crate::layout::{BvhNode, LatticeBox, Section};
 use crate::parts::{Parts, slice};
 use crate::policy::{Policy, Standard};
 use crate::stats::Stats;
@@ -20,6 +20,8 @@ use crate::{validate, wire};
 pub struct Octree<W> {
     words: W,
     spans: Spans,
+    /// See [`Parts::hull`]; rays that walk alone would take long to find it.
+    hull: LatticeBox,
 }
 
 impl<W: AsRef<[u32]>> Octree<W> {
@@ -44,13 +46,15 @@ impl<W: AsRef<[u32]>> Octree<W> {
     /// See [`crate::testing::from_sealed`].
     pub(crate) fn from_sealed_with<P: Policy>(words: W) -> Result<Self, DecodeError> {
         let spans = wire::open(words.as_ref())?;
-        validate::sections(&Parts::new(words.as_ref(), &spans)?, P::KEEPS_MESH_MARGIN)?;
-        Ok(Self { words, spans })
+        let parts = Parts::new(words.as_ref(), &spans, LatticeBox::VACANT)?;
+        validate::sections(&parts, P::KEEPS_MESH_MARGIN)?;
+        let hull = parts.bvh.first().map_or(LatticeBox::VACANT, BvhNode::hull);
+        Ok(Self { words, spans, hull })
     }
 
     /// The same octree, borrowed.
     pub fn view(&self) -> Octree<&[u32]> {
-        Octree { words: self.words.as_ref(), spans: self.spans }
+        Octree { words: self.words.as_ref(), spans: self.spans, hull: self.hull }
     }
 
     /// The words, which are the file.
@@ -66,7 +70,7 @@ impl<W: AsRef<[u32]>> Octree<W> {
     /// What the words hold, section by section.
     pub fn parts(&self) -> Parts<'_> {
         // The spans were checked when the octree was made.
-        Parts::new(self.words.as_ref(), &self.spans).unwrap_or(Parts::EMPTY)
+        Parts::new(self.words.as_ref(), &self.spans, self.hull).unwrap_or(Parts::EMPTY)
     }
 
     /// The lattice frame.

@@ -23,6 +23,8 @@ pub struct Parts<'a> {
     pub blocks: Blocks<'a>,
     /// The BVH over the blocks, its root first; empty where no triangle is listed.
     pub bvh: &'a [BvhNode],
+    /// The box around all triangles; without any, one that few rays meet.
+    pub hull: LatticeBox,
     /// Record numbers of the entry grid, x fastest.
     pub grid: &'a [u32],
     /// One material id a triangle, or empty.
@@ -51,11 +53,12 @@ impl<'a> Parts<'a> {
         payloads: &[],
         blocks: Blocks::EMPTY,
         bvh: &[],
+        hull: LatticeBox::VACANT,
         grid: &[],
         materials: &[],
     };
 
-    pub(crate) fn new(words: &'a [u32], spans: &Spans) -> Result<Self, DecodeError> {
+    pub(crate) fn new(words: &'a [u32], spans: &Spans, hull: LatticeBox) -> Result<Self, DecodeError> {
         let header: &[Header] = slice(words, spans, Section::Header)?;
         let &[header] = header else { return Err(wrong_length(spans, Section::Header)) };
         let (indexed, vertices) = (Section::IndexedBlocks, Section::Vertices);
@@ -69,6 +72,7 @@ impl<'a> Parts<'a> {
             payloads: slice(words, spans, Section::Payloads)?,
             blocks,
             bvh: slice(words, spans, Section::Bvh)?,
+            hull,
             grid: slice(words, spans, Section::Grid)?,
             materials: slice(words, spans, Section::Materials)?,
         })
@@ -102,17 +106,12 @@ impl<'a> Parts<'a> {
         self.payloads_of(leaf).flat_map(move |payload| blocks.of(payload)).flat_map(|block| block.triangles())
     }
 
-    /// The box around all triangles; without any, one that few rays meet.
-    #[inline]
-    pub fn hull(&self) -> LatticeBox {
-        self.bvh.first().map_or(LatticeBox::VACANT, BvhNode::hull)
-    }
-
     /// See [`crate::Octree::bounds`].
     pub(crate) fn bounds(&self) -> Aabb {
-        let Some(LatticeBox { lower, upper }) = self.bvh.first().map(BvhNode::hull) else {
+        if self.bvh.is_empty() {
             return Aabb { lower: [f64::INFINITY; 3], upper: [f64::NEG_INFINITY; 3] };
-        };
+        }
+        let LatticeBox { lower, upper } = self.hull;
         let at = |steps: [u16; 3], end: f32| {
             let corner = self.frame.corner;
             self.frame.to_caller(core::array::from_fn(|k| corner[k] + (f32::from(steps[k]) + end)))

@@ -68,7 +68,7 @@ impl<'a> Walk<'a> {
 impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
     /// See [`crate::testing::walk`].
     pub(crate) fn with(parts: &'a Parts<'a>) -> Self {
-        let hull = parts.hull().dilated(if P::DILATES_ROOT { BOX_MARGIN } else { 0.0 });
+        let hull = parts.hull.dilated(if P::DILATES_ROOT { BOX_MARGIN } else { 0.0 });
         Self { parts, hull, kind: core::marker::PhantomData }
     }
 

@@ -33,7 +33,10 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
         Self { octree, frame, registers: Registers::detect(), tiling: Tiling::STANDARD, way: Way::Auto }
     }
 
-    /// The same, whose batches are traced in one way.
+    /// The same tracer, whose batches are traced in this way. Single calls are not.
+    ///
+    /// [`Way::Auto`] is seldom far from the fastest; who knows the rays may know better, and tests and measurements of one
+    /// way ask for it.
     #[must_use]
     pub fn with_way(self, way: Way) -> Self {
         Self { way, ..self }

@@ -10,8 +10,12 @@
 //!             rays that meet the same nodes:   those of an octant together (stream)
 //!             rays that share too little:      twelve at a time            (interleaved)
 //! ```
+//!
+//! A caller may force one of these ways, without tiles, or the walk from leaf to leaf in eight lanes (walk), which is not
+//! chosen otherwise.
+//!
 //! Every way meets all boxes of a ray's hits and orders hits alike, so all give the same bits (docs/contract.md,
-//! "Descent"); which way a ray goes is a matter of speed alone.
+//! "Descent" and "The walk"); which way a ray goes is a matter of speed alone.
 
 mod alone;
 pub(crate) mod bvh;

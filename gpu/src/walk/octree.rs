@@ -40,7 +40,7 @@ impl OctreeSetup {
     fn of<W: AsRef<[u32]>>(octree: &Octree<W>) -> Self {
         const { assert!((SECTION_ALIGN * size_of::<u32>()).is_multiple_of(QUAD_BYTES), "sections start at whole quads") }
         let parts = octree.parts();
-        let [hull_lower, hull_upper] = parts.hull().dilated(BOX_MARGIN);
+        let [hull_lower, hull_upper] = parts.hull.dilated(BOX_MARGIN);
         let quad = |section| octree.span(section).0 / (QUAD_BYTES / size_of::<u32>()) as u32;
         Self {
             records: quad(Section::Records),

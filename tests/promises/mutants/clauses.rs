@@ -26,7 +26,8 @@ pub(crate) fn under<P: Policy + Sync>(octree: &Octree<Vec<u32>>, source: Source<
 
 /// P2 of the walk in eight lanes, which knows no policies: for octrees that were built wrong.
 pub(crate) fn in_lanes(octree: &Octree<Vec<u32>>, source: Source<'_>, seed: u64) -> Tally {
-    let tracers = [CpuTracer::new(octree.view()), testing::portable(CpuTracer::new(octree.view()))].map(testing::walked);
+    let tracers =
+        [CpuTracer::new(octree.view()), testing::portable(CpuTracer::new(octree.view()))].map(testing::walked);
     let tracers: [Named<'_>; 2] = [("walks in lanes", &tracers[0]), ("portable walks in lanes", &tracers[1])];
     differences(&tracers, &Every::<f32>::of(octree), source, scaled(RAYS), seed)
 }
