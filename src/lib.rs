@@ -58,7 +58,8 @@ pub use leafwalk_core::{
     Octree, Parts, Ray, RecordFault, Stats, Tracer, Walk, Work, geometric_normal, hit_hash, layout, one_by_one, wire,
 };
 pub use leafwalk_cpu::{
-    BruteForce, BuildError, Builder, CpuTracer, Mesh, MeshRef, Progress, Verified, VerifyError, Way, verify, verify_against,
+    BruteForce, BuildError, Builder, CpuTracer, Mesh, MeshRef, Progress, Verified, VerifyError, Way, verify,
+    verify_against,
 };
 #[cfg(feature = "gpu")]
 pub use leafwalk_gpu as gpu;

@@ -82,7 +82,8 @@ type Way<'a> = (Line<f32>, Vec<(Cell<f32>, &'a Record)>);
 fn steps(criterion: &mut Criterion, scene: &Scene) {
     let parts = scene.octree.parts();
     let way = |ray: &Ray| -> Option<Way<'_>> {
-        let line = Line::new(&parts.frame.canonical(ray)?);
+        let canonical = parts.frame.canonical(ray)?;
+        let line = Line::new(canonical.within, canonical.direction);
         let mut cells = Vec::new();
         Walk::new(&parts).visit(ray, |number, key| cells.push((Cell::new(key), &parts.records[number as usize])));
         Some((line, cells))

@@ -145,7 +145,7 @@ impl Kernel for Boxes<'_> {
         let Probe { slabs, order, nearest, .. } = Probe::<L>::new(self.ray);
         let mut count = 0;
         for node in self.nodes {
-            count += boxes_hit(&slabs, order, node, &nearest).1.count_ones();
+            count += boxes_hit(&slabs, order, &node.sides, &nearest).1.count_ones();
         }
         count
     }

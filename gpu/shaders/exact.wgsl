@@ -442,22 +442,22 @@ fn coordinate(block: u32, corner: u32, axis: u32, lane: u32) -> f32 {
     return bitcast<f32>(word((at << 2u) + lane));
 }
 
-// core/src/triangle.rs: Sheared::new, one corner of one lane as seen from the origin
-fn from_origin(shear: Shear, block: u32, corner: u32, lane: u32) -> vec3<f32> {
-    let point = vec3<f32>(
+// core/src/layout/block.rs: Block::corners, one corner of one lane, permuted
+fn permuted_corner(shear: Shear, block: u32, corner: u32, lane: u32) -> vec3<f32> {
+    return vec3<f32>(
         coordinate(block, corner, shear.axes.x, lane),
         coordinate(block, corner, shear.axes.y, lane),
         coordinate(block, corner, shear.axes.z, lane),
     );
-    return sub3(point, shear.origin);
 }
 
-// core/src/triangle.rs: Shear::lateral, along both axes across the ray
-fn lateral(shear: Shear, p: vec3<f32>) -> vec2<f32> {
-    return vec2<f32>(sub(p.x, mul(shear.slope.x, p.z)), sub(p.y, mul(shear.slope.y, p.z)));
+// core/src/triangle.rs: Sheared::new, of one corner of one lane
+fn sheared(shear: Shear, point: vec3<f32>) -> vec3<f32> {
+    let p = sub3(point, shear.origin);
+    return vec3<f32>(sub(p.x, mul(shear.slope.x, p.z)), sub(p.y, mul(shear.slope.y, p.z)), p.z);
 }
 
-// core/src/triangle.rs: Sheared::in_axis_plane; `depths` are t' of the corners
+// core/src/triangle.rs: in_axis_plane, of a triangle that was accepted; `depths` are t' of its corners
 fn in_axis_plane(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, depths: vec3<f32>, t: f32) -> f32 {
     let is_x = a.x == b.x && a.x == c.x;
     let is_y = a.y == b.y && a.y == c.y;
@@ -465,7 +465,8 @@ fn in_axis_plane(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, depths:
     if !(is_x || is_y) || slope == 0.0 {
         return t;
     }
-    let met = mul(divide(select(a.y, a.x, is_x), slope), shear.slope.z);
+    let height = select(sub(a.y, shear.origin.y), sub(a.x, shear.origin.x), is_x);
+    let met = mul(divide(height, slope), shear.slope.z);
     let size = abs(depths);
     let slack = mul(max(size.x, max(size.y, size.z)), PLANE_SLACK);
     return max(sub(t, slack), min(met, add(t, slack)));
@@ -473,18 +474,20 @@ fn in_axis_plane(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, depths:
 
 // core/src/triangle.rs: Sheared::finish
 fn finish(shear: Shear, block: u32, lane: u32) -> Candidate {
-    let a = from_origin(shear, block, 0u, lane);
-    let b = from_origin(shear, block, 1u, lane);
-    let c = from_origin(shear, block, 2u, lane);
-    let a2 = lateral(shear, a);
-    let b2 = lateral(shear, b);
-    let c2 = lateral(shear, c);
-    let ax = flush(a2.x, SMALLEST_SHEARED);
-    let bx = flush(b2.x, SMALLEST_SHEARED);
-    let cx = flush(c2.x, SMALLEST_SHEARED);
-    let ay = flush(a2.y, SMALLEST_SHEARED);
-    let by = flush(b2.y, SMALLEST_SHEARED);
-    let cy = flush(c2.y, SMALLEST_SHEARED);
+    let corners = array<vec3<f32>, 3>(
+        permuted_corner(shear, block, 0u, lane),
+        permuted_corner(shear, block, 1u, lane),
+        permuted_corner(shear, block, 2u, lane),
+    );
+    let a = sheared(shear, corners[0]);
+    let b = sheared(shear, corners[1]);
+    let c = sheared(shear, corners[2]);
+    let ax = flush(a.x, SMALLEST_SHEARED);
+    let bx = flush(b.x, SMALLEST_SHEARED);
+    let cx = flush(c.x, SMALLEST_SHEARED);
+    let ay = flush(a.y, SMALLEST_SHEARED);
+    let by = flush(b.y, SMALLEST_SHEARED);
+    let cy = flush(c.y, SMALLEST_SHEARED);
     let u = difference_of_products(cx, by, cy, bx);
     let v = difference_of_products(ax, cy, ay, cx);
     let w = difference_of_products(bx, ay, by, ax);
@@ -500,7 +503,7 @@ fn finish(shear: Shear, block: u32, lane: u32) -> Candidate {
     let bz = mul(shear.slope.z, b.z);
     let cz = mul(shear.slope.z, c.z);
     let by_weights = add(az, add(mul(of_b, sub(bz, az)), mul(of_c, sub(cz, az))));
-    let t = in_axis_plane(shear, a, b, c, vec3<f32>(az, bz, cz), by_weights);
+    let t = in_axis_plane(shear, corners[0], corners[1], corners[2], vec3<f32>(az, bz, cz), by_weights);
     return Candidate(true, flush(t, SMALLEST), flush(of_b, SMALLEST), flush(of_c, SMALLEST));
 }
 
