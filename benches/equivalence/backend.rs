@@ -20,7 +20,7 @@ pub(crate) enum Promise {
     Bits,
     /// No bit, but that hardly any random ray hits another triangle.
     Triangles,
-    /// Nothing.
+    /// Any answer keeps it.
     Nothing,
 }
 
@@ -53,12 +53,12 @@ impl<'a> Backend<'a> {
         Self::new(name.into(), Promise::Bits, tracer)
     }
 
-    /// It counts cells, too.
+    /// The same backend, which counts the cells of each ray, too.
     pub(crate) fn counting(self, cells: impl Fn(&[Ray]) -> (Vec<Hit>, Vec<u32>) + 'a) -> Self {
         Self { cells: Some(Box::new(cells)), ..self }
     }
 
-    /// One bit of its answers is wrong.
+    /// The same backend, of whose answers one bit is wrong.
     pub(crate) fn flipped(self) -> Self {
         Self { name: format!("{}, flipped", self.name), tracer: Box::new(Flipped(self.tracer)), ..self }
     }

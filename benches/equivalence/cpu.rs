@@ -1,7 +1,7 @@
 //! The backends on the CPU: testing every triangle, the scalar walk, and each way of the eight-lane machine by itself, in
 //! each kind of registers, over the packed octree and the compact one.
 
-use leafwalk::{BruteForce, CpuTracer, Hit, Octree, Parts, Walk};
+use leafwalk::{BruteForce, CpuTracer, Hit, Octree, Parts, Walk, Way};
 use leafwalk_core::step::Pluecker;
 use leafwalk_core::testing::Standard;
 use leafwalk_cpu::testing;
@@ -60,18 +60,18 @@ impl<'a> Tracers<'a> {
         for (of, tracers) in [("", &self.batches), ("compact, ", &self.compact_batches)] {
             for (registers, tracer) in tracers {
                 let exact = |way: &str, tracer| Backend::exact(format!("{of}{way}, {registers}"), tracer);
-                let [single, streamed, interleaved] =
-                    [testing::single, testing::streamed, testing::interleaved].map(|way| way(tracer.clone()));
+                let forced = |way| tracer.clone().with_way(way);
                 let mut on_two_threads = exact("batch", tracer.clone());
                 on_two_threads.threads = 2;
                 backends.extend([
                     exact("batch", tracer.clone()),
                     on_two_threads,
                     Backend::exact(format!("{of}one ray a call, {registers}"), OneByOne(tracer)),
-                    exact("tile", testing::tiled(single.clone())),
-                    exact("single", testing::untiled(single)),
-                    exact("stream", testing::untiled(streamed)),
-                    exact("interleaved", testing::untiled(interleaved)),
+                    exact("tile", testing::tiled(forced(Way::Single))),
+                    exact("single", forced(Way::Single)),
+                    exact("stream", forced(Way::Stream)),
+                    exact("interleaved", forced(Way::Interleaved)),
+                    exact("walk in lanes", forced(Way::Walk)),
                 ]);
             }
         }

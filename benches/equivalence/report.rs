@@ -10,7 +10,7 @@ pub(crate) struct Row {
     pub(crate) rays_of: &'static str,
     pub(crate) rays: usize,
     pub(crate) threads: usize,
-    /// Of all bits of the closest hits.
+    /// The hash of all bits of the closest hits.
     pub(crate) hash: u64,
     /// Closest hits that differ in any bit.
     pub(crate) differing: usize,

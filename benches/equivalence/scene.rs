@@ -34,7 +34,7 @@ impl Scene {
         Self { name: name.to_owned(), is_ordinary: name == scenes::ORDINARY, mesh, octree, compact, inside }
     }
 
-    /// Those of files, one after the other; without files, those made in code.
+    /// The scenes of these mesh files, each loaded when its turn comes; without files, the scenes made in code.
     pub(crate) fn all(outside: &[PathBuf], inside: &[PathBuf]) -> Box<dyn Iterator<Item = Self>> {
         if outside.is_empty() && inside.is_empty() {
             return Box::new(scenes::made().into_iter().map(|(name, mesh)| Self::new(name, mesh, false)));

@@ -21,7 +21,8 @@ pub const MESH_MARGIN: f32 = 128.0 * ROUNDOFF * EDGE;
 /// error 10, depth error 32, slab test 9, origin and corners seen from the root's corner 2.5 (all at an origin one root
 /// edge away). Three paddings are 120, and the bound needs 93.5.
 pub const BOX_MARGIN: f32 = 3.0 * PADDING;
-/// A walk starts this far (in t') before `t_min`, or before it enters the hull, so that the point it starts from may carry rounding.
+/// A walk starts this far (in t') before `t_min`, or before it enters the hull, so that the point it starts from may carry
+/// rounding.
 ///
 /// A canonical direction covers at least t' steps, so this is at least 80 roundoffs of the root's edge; hits lie within 53
 /// (lateral 10, depth 32, start point 9, origin seen from the root's corner 2).

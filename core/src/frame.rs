@@ -103,8 +103,9 @@ fn anchor(lower: f64, upper: f64) -> f64 {
     if far >= 2.0 * before && near < 1.5 * before {
         return before.copysign(lower);
     }
-    // Of positive numbers the bits are ordered as the numbers are. Up to the highest bit in which the ends differ, the
-    // bits of the far end are those of the roundest number.
+    // The numbers of an interval begin with the bits that both ends have in common; the next bit is 1 at the far end. The
+    // number with these bits and zeros behind them lies inside, and is as round as the interval allows, but for its near
+    // end.
     let differing = near.to_bits() ^ far.to_bits();
     let kept = match differing {
         0 => u64::MAX,

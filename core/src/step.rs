@@ -72,7 +72,7 @@ pub fn inverse<L: Lanes>(direction: [L; 3]) -> [L; 3] {
 fn tie_bits<L: Lanes>(direction: [L; 3], down: [L::Bits; 3]) -> L::Bits {
     let one = L::Bits::splat(1);
     let [x, y, z]: [L::Bits; 3] = unroll!(k in 0..3 => L::indicator(direction[k].equal(L::splat(0.0))));
-    // Of two axes the second comes before the first only where the first stands still and the second does not.
+    // In a tie the lower axis comes first, unless the ray does not move along it, but does along the other.
     let (z_before_y, z_before_x, y_before_x) = (y & (z ^ one), x & (z ^ one), x & (y ^ one));
     let preferred = (z_before_y ^ one) | z_before_x << one | (y_before_x ^ one) << L::Bits::splat(2);
     preferred ^ flips::<L>(down)

@@ -9,10 +9,10 @@ use leafwalk_core::triangle::Shear;
 use leafwalk_core::{CanonicalRay, Frame, Nearest, Ray};
 
 use crate::lanes::{Eight, Kernel, Registers};
+use crate::trace::Way;
 use crate::trace::bvh::node::{boxes_hit, test_block};
 use crate::trace::packet::Packet;
 use crate::trace::probe::Probe;
-use crate::trace::{Runs, Way};
 use crate::{BruteForce, Builder, CpuTracer};
 
 pub use crate::build::Spoiled;
@@ -38,14 +38,7 @@ pub fn in_all_registers<W: Clone>(tracer: &CpuTracer<W>) -> Vec<(&'static str, C
 /// A tracer that makes a tile of every run, however short it is, and however many tiles gave up.
 #[must_use]
 pub fn tiled<W>(mut tracer: CpuTracer<W>) -> CpuTracer<W> {
-    tracer.tiling.runs = Runs::All;
-    tracer
-}
-
-/// A tracer that makes no tiles.
-#[must_use]
-pub fn untiled<W>(mut tracer: CpuTracer<W>) -> CpuTracer<W> {
-    tracer.tiling.runs = Runs::None;
+    tracer.tiling.takes_every_run = true;
     tracer
 }
 

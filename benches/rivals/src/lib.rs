@@ -41,7 +41,7 @@ pub fn all(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
     rivals
 }
 
-/// Those that take meshes of any extent: others end with a panic when the finite numbers of a mesh are very large or small.
+/// The rivals that take meshes of any extent. The others panic where a mesh has very large or very small numbers.
 pub fn for_any_extent(mesh: &Mesh) -> Vec<Box<dyn Rival>> {
     #[cfg(feature = "embree")]
     return embree::all(mesh, &embree::SETTINGS);

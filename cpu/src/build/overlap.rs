@@ -23,7 +23,7 @@ pub(crate) struct Overlap {
 }
 
 impl Overlap {
-    /// Of corners in lattice coordinates, given where the root's corner is.
+    /// Prepares the tests of a triangle, given its corners in lattice coordinates and where the root's corner is.
     pub(crate) fn new(corners: &[[f32; 3]; 3], root: DVec3) -> Self {
         let corners = corners.map(|c| DVec3::from_array(c.map(f64::from)) - root);
         let [a, b, c] = corners;

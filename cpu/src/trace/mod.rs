@@ -43,7 +43,7 @@ use patience::Patience;
 use query::Query;
 use run::Run;
 use tile::Tile;
-pub(crate) use tile::{Runs, Tiling};
+pub(crate) use tile::Tiling;
 
 /// Packets that are worth a tile, which is filled up with repetitions of the last one.
 const LEAST_RUN: usize = 4;
@@ -84,10 +84,9 @@ impl<B: BlockSource, Q: Query> Kernel for Batch<'_, B, Q> {
                 }
             }
             let mut at = 0;
-            let is_tried = match tiling.runs {
-                Runs::Worthwhile => way == Way::Auto && run.len() >= LEAST_RUN && patience.tries(),
-                Runs::All => run.len() > 0,
-                Runs::None => false,
+            let is_tried = match tiling.takes_every_run {
+                true => run.len() > 0,
+                false => way == Way::Auto && run.len() >= LEAST_RUN && patience.tries(),
             };
             if is_tried {
                 let (first, len) = (run.first(), run.len());

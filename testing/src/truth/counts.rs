@@ -38,16 +38,16 @@ impl Counts {
         }
     }
 
-    /// Of many answers.
+    /// The counts of many answers.
     pub fn of(verdicts: impl Iterator<Item = Verdict>) -> Self {
         let mut counts = Self::default();
         verdicts.for_each(|verdict| counts.add(verdict));
         counts
     }
 
-    /// All that name another surface, or none, or one where there is none.
+    /// All that are not the truth: another surface or none, one where there is none, or a t that is off.
     pub fn faults(&self) -> u64 {
-        self.wrong + self.missed + self.not_there
+        self.off + self.wrong + self.missed + self.not_there
     }
 }
 

@@ -5,8 +5,6 @@ use core::cmp::Ordering;
 use glam::DVec3;
 use num_bigint::BigInt;
 
-use super::line::Line;
-
 type Vector = [BigInt; 3];
 
 /// A triangle as seen from a line's origin.
@@ -26,13 +24,12 @@ pub(super) struct Ratio {
 }
 
 impl Exact {
-    pub(super) fn new(line: &Line, corners: &[DVec3; 3]) -> Self {
-        let origin = line.origin.to_array();
+    pub(super) fn new(origin: DVec3, direction: DVec3, corners: &[DVec3; 3]) -> Self {
+        let (origin, direction) = (origin.to_array(), direction.to_array());
         let points = corners.map(|corner| corner.to_array());
         let length = points.as_flattened().iter().chain(&origin).map(|c| exponent(*c)).min().unwrap_or(0);
         let from_origin =
             |point: [f64; 3]| core::array::from_fn(|k| integer(point[k], length) - integer(origin[k], length));
-        let direction = line.direction.to_array();
         let unit = direction.iter().map(|c| exponent(*c)).min().unwrap_or(0);
         Self {
             corners: points.map(from_origin),

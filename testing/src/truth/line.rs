@@ -58,7 +58,7 @@ impl Line {
         }
         let mut exact = None;
         if sides.iter().any(|(side, error)| side.abs() <= *error && *error > 0.0) {
-            let signs = exact.get_or_insert_with(|| Exact::new(self, corners)).sides();
+            let signs = exact.get_or_insert_with(|| self.exact(corners)).sides();
             if signs.contains(&Ordering::Less) == signs.contains(&Ordering::Greater) {
                 return None;
             }
@@ -74,16 +74,21 @@ impl Line {
         // No number, where the line all but runs in the plane, is no certain one.
         let is_certain = error <= CERTAIN * t.abs() || over_error == 0.0;
         if !is_certain {
-            let t = exact.get_or_insert_with(|| Exact::new(self, corners)).distance().to_f64();
+            let t = exact.get_or_insert_with(|| self.exact(corners)).distance().to_f64();
             found = Crossing { t, error: 4.0 * ROUNDOFF * t.abs() };
         }
         let order = |limit: f64| {
             if (found.t - limit).abs() > found.error || limit.is_infinite() {
                 return found.t.total_cmp(&limit);
             }
-            Exact::new(self, corners).distance().order_to(limit)
+            self.exact(corners).distance().order_to(limit)
         };
         (order(self.from).is_gt() && order(self.to).is_lt()).then_some(found)
+    }
+
+    /// The line and a triangle in integers.
+    pub(super) fn exact(&self, corners: &[DVec3; 3]) -> Exact {
+        Exact::new(self.origin, self.direction, corners)
     }
 
     /// The order of two triangles that it passes through.
@@ -91,7 +96,7 @@ impl Line {
         if (a.1.t - b.1.t).abs() > a.1.error + b.1.error {
             return a.1.t.total_cmp(&b.1.t);
         }
-        let [a, b] = [a, b].map(|(corners, _)| Exact::new(self, corners).distance());
+        let [a, b] = [a, b].map(|(corners, _)| self.exact(corners).distance());
         a.order(&b)
     }
 }

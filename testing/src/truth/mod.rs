@@ -152,7 +152,6 @@ fn point(p: [f32; 3]) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
-    use super::exact::Exact;
     use super::*;
     use crate::random::Random;
     use crate::{meshes, rays, wide};
@@ -162,7 +161,7 @@ mod tests {
         let line = Line::of(ray)?;
         let mut closest: Option<(exact::Ratio, Vec<u32>)> = None;
         for (primitive, corners) in (0..).zip(&oracle.triangles) {
-            let exact = Exact::new(&line, corners);
+            let exact = line.exact(corners);
             let signs = exact.sides();
             if signs.contains(&Ordering::Less) == signs.contains(&Ordering::Greater) {
                 continue;

@@ -62,23 +62,12 @@ pub(crate) struct Tiling {
     pub(crate) beam_margin: f32,
     /// Takes a triangle for tested when only some of a tile's rays were tested against it.
     pub(crate) forgets_rays: bool,
-    /// Which runs become tiles.
-    pub(crate) runs: Runs,
-}
-
-/// Runs of packets that become tiles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Runs {
-    /// Those that are long enough, as long as tiles answer them.
-    Worthwhile,
-    /// All of them.
-    All,
-    /// None.
-    None,
+    /// Makes a tile of every run, however short it is, and however many tiles gave up.
+    pub(crate) takes_every_run: bool,
 }
 
 impl Tiling {
-    pub(crate) const STANDARD: Self = Self { beam_margin: BEAM_MARGIN, forgets_rays: false, runs: Runs::Worthwhile };
+    pub(crate) const STANDARD: Self = Self { beam_margin: BEAM_MARGIN, forgets_rays: false, takes_every_run: false };
 }
 
 /// A tile under way.
