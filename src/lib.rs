@@ -54,8 +54,9 @@ pub mod output_file;
 #[cfg(feature = "serde")]
 pub use leafwalk_core::numbers;
 pub use leafwalk_core::{
-    Aabb, AlignedBytes, Blocks, CanonicalRay, Clock, DecodeError, Frame, Hit, Indexed, LEAF_SIZES, LengthMismatch,
-    Octree, Parts, Ray, RecordFault, Stats, Tracer, Walk, Work, geometric_normal, hit_hash, layout, one_by_one, wire,
+    Aabb, AlignedBytes, Blocks, CanonicalRay, Clock, DecodeError, Frame, Hit, HitF64, Indexed, LEAF_SIZES,
+    LengthMismatch, Octree, Parts, Ray, RayF64, RecordFault, Stats, Tracer, Walk, Work, geometric_normal, hit_hash,
+    layout, one_by_one, wire,
 };
 pub use leafwalk_cpu::{
     BruteForce, BuildError, Builder, CpuTracer, Mesh, MeshRef, Progress, Verified, VerifyError, Way, verify,

@@ -1,7 +1,7 @@
 //! The feature `serde`: what goes through JSON or a binary format comes back with the same bits, infinity, -0 and
 //! subnormal numbers included.
 
-use leafwalk::{Aabb, Builder, Hit, Mesh, Ray, Stats};
+use leafwalk::{Aabb, Builder, Hit, HitF64, Mesh, Ray, RayF64, Stats};
 use leafwalk_testing::meshes;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::tally::bits;
@@ -76,6 +76,11 @@ fn boxes_statistics_and_meshes_come_back() {
         assert_eq!(words(&found), words(&mesh));
         assert_eq!((&found.triangles, &found.material_ids), (&mesh.triangles, &mesh.material_ids));
     }
+    let wide = Mesh::new_f64(vec![[4_500_000.001, 5e-324, -0.0], [f64::MAX, f64::NEG_INFINITY, 0.1]], vec![[0, 1, 0]]);
+    for found in round_trips(&wide) {
+        assert_eq!(found, wide);
+        assert!(found.positions[0][2].is_sign_negative());
+    }
     let octree = Builder::new().build(&mesh).expect("a mesh that builds");
     let stats: Stats = octree.stats();
     assert_eq!(round_trips(&stats), [stats; 2]);
@@ -86,5 +91,17 @@ fn boxes_statistics_and_meshes_come_back() {
         for found in round_trips(&aabb) {
             assert_eq!(words(&found), words(&aabb), "{found:?} for {aabb:?}");
         }
+    }
+}
+
+#[test]
+fn rays_and_hits_of_f64_come_back() {
+    let ray = RayF64::between([0.1, -0.0, 4_500_000.001], [f64::NEG_INFINITY, 5e-324, 1.0], -1e300, f64::INFINITY);
+    let words = |ray: &RayF64| bytemuck::cast::<RayF64, [u64; 8]>(*ray);
+    for found in round_trips(&ray) {
+        assert_eq!(words(&found), words(&ray));
+    }
+    for hit in [HitF64::MISS, HitF64 { t: 0.1, u: 0.1, v: 5e-45, primitive: 7 }] {
+        assert_eq!(round_trips(&hit), [hit; 2]);
     }
 }

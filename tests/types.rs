@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use leafwalk::wire::Header;
 use leafwalk::{
-    Aabb, BruteForce, BuildError, Builder, CanonicalRay, CpuTracer, DecodeError, FileError, Frame, Hit, LengthMismatch,
-    Mesh, MeshRef, Octree, Parts, Progress, Ray, RecordFault, Stats, Tracer, Verified, VerifyError, Work,
+    Aabb, BruteForce, BuildError, Builder, CanonicalRay, CpuTracer, DecodeError, FileError, Frame, Hit, HitF64,
+    LengthMismatch, Mesh, MeshRef, Octree, Parts, Progress, Ray, RayF64, RecordFault, Stats, Tracer, Verified,
+    VerifyError, Work,
 };
 use leafwalk_core::layout::Section;
 
@@ -27,6 +28,8 @@ fn rays_and_hits_are_plain_data() {
     // From the bytes of a ray and back: there is no padding between or behind its members.
     let ray = Ray::between([1.0, 2.0, 3.0], [5.0, 6.0, 7.0], 4.0, 8.0);
     assert_eq!(bytemuck::cast::<Ray, [f32; 8]>(ray), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+    let ray = RayF64::from(ray);
+    assert_eq!(bytemuck::cast::<RayF64, [f64; 8]>(ray), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
     let hit = Hit { t: 1.0, u: 2.0, v: 3.0, primitive: 4 };
     assert_eq!(bytemuck::cast::<Hit, [u32; 4]>(hit), [1f32.to_bits(), 2f32.to_bits(), 3f32.to_bits(), 4]);
 }
@@ -57,11 +60,25 @@ fn pointers_to_tracers_are_tracers() {
 
 #[test]
 fn all_types_are_for_many_threads() {
-    assert_send_and_sync!(Aabb, CanonicalRay, Frame, Header, Hit, Parts<'static>, Ray, Section, Stats, Work);
+    assert_send_and_sync!(
+        Aabb,
+        CanonicalRay,
+        Frame,
+        Header,
+        Hit,
+        HitF64,
+        Parts<'static>,
+        Ray,
+        RayF64,
+        Section,
+        Stats,
+        Work
+    );
     assert_send_and_sync!(
         BruteForce,
         Builder,
         Mesh,
+        Mesh<f64>,
         MeshRef<'static>,
         Octree<Vec<u32>>,
         Octree<&[u32]>,
@@ -75,8 +92,8 @@ fn all_types_are_for_many_threads() {
 #[test]
 #[cfg(feature = "mesh-files")]
 fn types_of_mesh_files_are_for_many_threads() {
-    use leafwalk::mesh_file::{Limits, Material, MeshError, MeshFile};
-    assert_send_and_sync!(Limits, Material, MeshError, MeshFile);
+    use leafwalk::mesh_file::{AnyMesh, Limits, Material, MeshError, MeshFile};
+    assert_send_and_sync!(AnyMesh, Limits, Material, MeshError, MeshFile);
 }
 
 #[test]

@@ -43,7 +43,7 @@ impl Scene {
         let files: Vec<_> = outside.chain(inside.iter().map(|path| (path.clone(), true))).collect();
         Box::new(files.into_iter().map(|(path, inside)| {
             let loaded = leafwalk::load_mesh(&path);
-            let mesh = loaded.unwrap_or_else(|error| fail(&format!("{}: {error}", path.display()))).mesh;
+            let mesh = loaded.unwrap_or_else(|error| fail(&format!("{}: {error}", path.display()))).mesh.into_f32();
             Self::new(&scenes::name_of(&path), mesh, inside)
         }))
     }

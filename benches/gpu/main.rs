@@ -114,7 +114,7 @@ fn all_scenes(arguments: &Arguments) -> Vec<(String, Mesh, bool)> {
     }
     let load = |(path, inside): (PathBuf, bool)| {
         let loaded = leafwalk::load_mesh(&path);
-        let mesh = loaded.unwrap_or_else(|error| fail(&format!("{}: {error}", path.display()))).mesh;
+        let mesh = loaded.unwrap_or_else(|error| fail(&format!("{}: {error}", path.display()))).mesh.into_f32();
         (scenes::name_of(&path), mesh, inside)
     };
     files.into_iter().map(load).collect()

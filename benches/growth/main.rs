@@ -60,8 +60,10 @@ pub(crate) struct Point {
 
 fn main() {
     let arguments = Arguments::parse();
-    let mesh = scenes::real("dragon.ply.gz", "the dragon, for a sphere")
-        .map_or_else(|| meshes::bumpy_sphere(7, 1), |path| leafwalk::load_mesh(&path).expect("a readable scene").mesh);
+    let mesh = scenes::real("dragon.ply.gz", "the dragon, for a sphere").map_or_else(
+        || meshes::bumpy_sphere(7, 1),
+        |path| leafwalk::load_mesh(&path).expect("a readable scene").mesh.into_f32(),
+    );
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
     let sizes = sizes::all(&mesh).take_while(|mesh| mesh.triangles.len() <= arguments.most);
     let points: Vec<Point> = pool.install(|| sizes.flat_map(|mesh| measure(&mesh, arguments.rounds)).collect());

@@ -114,7 +114,7 @@ fn scenes(names: &[String]) -> Vec<(String, Mesh, bool)> {
         .filter(|real| names.is_empty() || names.iter().any(|name| real.name.starts_with(name)))
         .filter_map(|real| {
             let path = leafwalk_testing::scenes::real(real.file, real.name)?;
-            let mesh = leafwalk::load_mesh(&path).expect("a readable scene").mesh;
+            let mesh = leafwalk::load_mesh(&path).expect("a readable scene").mesh.into_f32();
             Some((real.name.to_string(), mesh, real.inside))
         })
         .collect();

@@ -60,7 +60,8 @@ fn judge_scenes(arguments: &Arguments) {
     let mut scenes: Vec<(&str, Mesh, bool)> = wanted
         .filter_map(|scene| {
             let path = real(scene.file, scene.name)?;
-            Some((scene.name, leafwalk::load_mesh(&path).expect("a readable scene").mesh, scene.inside))
+            let mesh = leafwalk::load_mesh(&path).expect("a readable scene").mesh.into_f32();
+            Some((scene.name, mesh, scene.inside))
         })
         .collect();
     if scenes.is_empty() {

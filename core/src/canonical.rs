@@ -12,6 +12,7 @@ use crate::lanes::{Bits, Lanes};
 use crate::layout::LATTICE;
 use crate::policy::{Policy, Standard};
 use crate::ray::{CanonicalRay, Ray};
+use crate::ray_f64::RayF64;
 use crate::unroll;
 
 /// The root's edge.
@@ -169,6 +170,15 @@ impl Frame {
         self.prepare().canonical(ray)
     }
 
+    /// The same of a ray in f64, which is rounded once: its origin as seen from the anchor, or, where that is far, the
+    /// point at which it enters the root.
+    pub fn canonical_f64(&self, ray: &RayF64) -> Option<CanonicalRay> {
+        if !ray.is_valid() {
+            return None;
+        }
+        self.by_f64::<Standard>(ray.origin, ray.direction, |clock| clock.limits_f64(ray.t_min, ray.t_max))
+    }
+
     /// See [`crate::testing::canonical`].
     #[inline(always)]
     pub(crate) fn canonical_with<P: Policy>(&self, ray: &Ray) -> Option<CanonicalRay> {
@@ -181,16 +191,29 @@ impl Frame {
         self.uncommon::<P>(ray)
     }
 
-    /// Any ray, by f64.
+    /// Any ray of f32.
     #[inline(never)]
     fn uncommon<P: Policy>(&self, ray: &Ray) -> Option<CanonicalRay> {
         if !ray.is_valid() {
             return None;
         }
+        self.by_f64::<P>(ray.origin.map(f64::from), ray.direction.map(f64::from), |clock| match P::ROUNDS_LIMITS {
+            true => clock.rounded_limits(ray.t_min, ray.t_max),
+            false => clock.limits(ray.t_min, ray.t_max),
+        })
+    }
+
+    /// A valid ray, whose limits of t' the clock tells.
+    #[inline(always)]
+    fn by_f64<P: Policy>(
+        &self,
+        given: [f64; 3],
+        direction: [f64; 3],
+        limits: impl Fn(&Clock) -> (f32, f32),
+    ) -> Option<CanonicalRay> {
         let per_unit = power_of_two(-self.step_exponent());
         let corner = self.corner.map(f64::from);
-        let lattice: [f64; 3] = core::array::from_fn(|k| (f64::from(ray.origin[k]) - self.anchor[k]) * per_unit);
-        let direction = ray.direction.map(f64::from);
+        let lattice: [f64; 3] = core::array::from_fn(|k| (given[k] - self.anchor[k]) * per_unit);
         let largest = exponent(direction.iter().fold(0.0, |most, c| c.abs().max(most)));
         let shrink = power_of_two(-largest);
         let direction = direction.map(|c| c * shrink);
@@ -210,11 +233,7 @@ impl Frame {
             entry = t + (along(0) + along(1) + along(2)) / squared;
         }
         let clock = Clock { entry, unit: power_of_two(self.step_exponent() - largest) };
-        let (t_min, t_max) = if P::ROUNDS_LIMITS {
-            clock.rounded_limits(ray.t_min, ray.t_max)
-        } else {
-            clock.limits(ray.t_min, ray.t_max)
-        };
+        let (t_min, t_max) = limits(&clock);
         let t_min = if P::CLAMPS_T_MIN { t_min.max(0.0) } else { t_min };
         let direction = direction.map(|c| flush(c as f32, SMALLEST_DIRECTION));
         Some(CanonicalRay { origin, within: self.to_root(origin), t_min, direction, t_max, clock })
@@ -283,6 +302,37 @@ mod tests {
             }
         }
         assert!(common > 100 && uncommon > 100, "{common} common rays, {uncommon} others");
+    }
+
+    /// A ray of f32 is the same ray in f64, and its limits hold for the t that f64 has.
+    #[test]
+    fn rays_of_f64_have_the_bits_of_f32() {
+        let frame = Frame { anchor: [0.25, -3.0, 1e6], corner: [-7.0, 1300.0, 0.0], scale_exponent: 3 };
+        for (origin, direction) in [
+            ([0.3, -2.0, 1_000_001.0], [0.1, -0.2, 3.0]),
+            ([5.0, -2.0, 999_990.0], [0.0, 0.0, 1e-20]),
+            ([-1e9, -3.0, 1e6], [1.0, 1e-9, 0.0]),
+        ] {
+            for (t_min, t_max) in [(0.0, f32::INFINITY), (-0.7, 0.3), (1e-30, 1e9)] {
+                let ray = Ray::between(origin, direction, t_min, t_max);
+                let expected = frame.canonical(&ray).expect("a ray that meets the root");
+                let found = frame.canonical_f64(&ray.into()).expect("the same ray");
+                assert_eq!(bits(&found), bits(&expected), "{ray:?}");
+                let clock = found.clock;
+                let is_inside = |t: f32| clock.reported_f64(t) > t_min.into() && clock.reported_f64(t) < t_max.into();
+                for t in [found.t_min, found.t_max].into_iter().filter(|t| t.abs() < 1e5) {
+                    // No hit has a smaller t', and none lies farther behind a moved origin.
+                    let least = if clock.entry == 0.0 { f32::MIN } else { -1.0 };
+                    let is_possible = |t: &f32| (*t == 0.0 || t.abs() >= SMALLEST) && *t > least;
+                    for t in [t * 0.999_999_9, t, t * 1.000_000_1].into_iter().filter(is_possible) {
+                        assert_eq!(t > found.t_min && t < found.t_max, is_inside(t), "{t} of {ray:?}");
+                    }
+                }
+            }
+        }
+        for direction in [[0.0, 1e-46, 0.0], [1e39, 0.0, 0.0], [f64::NAN, 0.0, 1.0]] {
+            assert!(frame.canonical_f64(&RayF64::new([0.0; 3], direction)).is_none(), "{direction:?}");
+        }
     }
 
     fn bits(ray: &CanonicalRay) -> ([u32; 9], [u64; 2]) {

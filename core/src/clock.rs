@@ -26,7 +26,13 @@ impl Clock {
     #[inline]
     pub fn reported(&self, t: f32) -> f32 {
         // Finite stays finite, since only a miss reports infinity.
-        (((self.entry + f64::from(t)) * self.unit) as f32).clamp(f32::MIN, f32::MAX)
+        (self.reported_f64(t) as f32).clamp(f32::MIN, f32::MAX)
+    }
+
+    /// The caller's t of a canonical distance, in f64.
+    #[inline]
+    pub fn reported_f64(&self, t: f32) -> f64 {
+        (self.entry + f64::from(t)) * self.unit
     }
 
     /// The limits of t' between which exactly those hits lie whose reported t lies strictly between `t_min` and `t_max`.
@@ -38,6 +44,15 @@ impl Clock {
     /// Both are found by bisection over the numbers of f32: what is reported never falls as t' grows. No limit is
     /// subnormal.
     pub(crate) fn limits(&self, t_min: f32, t_max: f32) -> (f32, f32) {
+        self.limits_of(|t| self.reported(t), t_min, t_max)
+    }
+
+    /// As [`Clock::limits`], for t reported in f64.
+    pub(crate) fn limits_f64(&self, t_min: f64, t_max: f64) -> (f32, f32) {
+        self.limits_of(|t| self.reported_f64(t), t_min, t_max)
+    }
+
+    fn limits_of<T: PartialOrd>(&self, reported: impl Fn(f32) -> T, t_min: T, t_max: T) -> (f32, f32) {
         let least = if self.entry == 0.0 { -FARTHEST } else { -BEHIND_MOVED };
         // The first t' of the range that is reported beyond a limit, or infinity.
         let first = |is_beyond: &dyn Fn(f32) -> bool| {
@@ -54,8 +69,8 @@ impl Clock {
             }
             from_ordinal(beyond)
         };
-        let after_min = first(&|t| self.reported(t) > t_min);
-        let at_max = if t_max == f32::INFINITY { t_max } else { first(&|t| self.reported(t) >= t_max) };
+        let after_min = first(&|t| reported(t) > t_min);
+        let at_max = first(&|t| reported(t) >= t_max);
         // The number before the first that counts.
         let before = if after_min.is_finite() { from_ordinal(ordinal(after_min) - 1) } else { after_min };
         (to_exceed(before), to_stay_below(at_max))

@@ -4,6 +4,7 @@ use crate::clock::Clock;
 use crate::contract::ROUNDOFF;
 use crate::lanes::{Bits, Lanes};
 use crate::ray::{CanonicalRay, Hit};
+use crate::ray_f64::HitF64;
 
 /// The nearest hit so far: smallest t', then smallest primitive; or the ray's own limit. One ray a lane.
 #[derive(Clone, Copy, Debug)]
@@ -73,6 +74,13 @@ impl Nearest {
         } else {
             Hit::MISS
         }
+    }
+
+    /// The hit with its distance in f64, or [`HitF64::MISS`].
+    pub fn hit_f64(&self, clock: &Clock) -> HitF64 {
+        let Hit { t, u, v, primitive } = self.hit(clock);
+        let t = if self.is_hit() { clock.reported_f64(self.t) } else { f64::from(t) };
+        HitF64 { t, u, v, primitive }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::ray::Hit;
 /// # use leafwalk_core::geometric_normal;
 /// assert_eq!(geometric_normal(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]]), [0.0, 0.0, 1.0]);
 /// ```
-pub fn geometric_normal(corners: &[[f32; 3]; 3]) -> [f32; 3] {
+pub fn geometric_normal<S: Copy + Into<f64>>(corners: &[[S; 3]; 3]) -> [f32; 3] {
     unit(normal(corners)).map_or([0.0; 3], |normal| normal.map(|c| c as f32))
 }
 
@@ -20,26 +20,26 @@ impl Hit {
     /// The point that was hit, of the triangle with these corners.
     ///
     /// It is made of the weights, not of `t`, so that it lies in the triangle's plane however far away the ray began.
-    pub fn position(&self, corners: &[[f32; 3]; 3]) -> [f64; 3] {
+    pub fn position<S: Copy + Into<f64>>(&self, corners: &[[S; 3]; 3]) -> [f64; 3] {
         let [a, ab, ac] = from_first_corner(corners);
         core::array::from_fn(|k| a[k] + (ab[k] * f64::from(self.u) + ac[k] * f64::from(self.v)))
     }
 
     /// Whether a ray of this direction meets the triangle with these corners from its front, from which the corners
     /// stand counter-clockwise. Edge-on counts as the front.
-    pub fn front(corners: &[[f32; 3]; 3], direction: [f32; 3]) -> bool {
+    pub fn front<S: Copy + Into<f64>>(corners: &[[S; 3]; 3], direction: [f32; 3]) -> bool {
         dot(normal(corners), direction.map(f64::from)) <= 0.0
     }
 }
 
 /// The first corner, and the edges that lead from it to the second and to the third.
-pub(crate) fn from_first_corner(corners: &[[f32; 3]; 3]) -> [[f64; 3]; 3] {
-    let [a, b, c] = corners.map(|corner| corner.map(f64::from));
+pub(crate) fn from_first_corner<S: Copy + Into<f64>>(corners: &[[S; 3]; 3]) -> [[f64; 3]; 3] {
+    let [a, b, c] = corners.map(|corner| corner.map(Into::into));
     [a, difference(b, a), difference(c, a)]
 }
 
 /// The normal on the front, twice as long as the area is large.
-pub(crate) fn normal(corners: &[[f32; 3]; 3]) -> [f64; 3] {
+pub(crate) fn normal<S: Copy + Into<f64>>(corners: &[[S; 3]; 3]) -> [f64; 3] {
     let [_, ab, ac] = from_first_corner(corners);
     cross(ab, ac)
 }
@@ -58,11 +58,11 @@ pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 /// The vector of length 1 in the same direction; `None` for zero.
 ///
-/// Coordinates are f32, so edges are 0 or 2^-149 to 2^130 long, and normals 0 or 2^-298 to 2^260: their squares neither
-/// overflow nor vanish in f64.
+/// Of coordinates of f32, edges are 0 or 2^-149 to 2^130 long, and normals 0 or 2^-298 to 2^260: their squares neither
+/// overflow nor vanish in f64. Of coordinates of f64, triangles under 2^-256 in size count as having no area.
 pub(crate) fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
     let squared = dot(vector, vector);
-    (squared > 0.0).then(|| {
+    (squared >= f64::MIN_POSITIVE).then(|| {
         let length = square_root(squared);
         vector.map(|c| c / length)
     })

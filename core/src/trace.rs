@@ -8,6 +8,7 @@ use crate::octree::Octree;
 use crate::parts::Parts;
 use crate::policy::{Policy, Standard};
 use crate::ray::{CanonicalRay, Hit, Ray};
+use crate::ray_f64::{HitF64, RayF64};
 use crate::slabs::Slabs;
 use crate::start::Span;
 use crate::step::{Cell, Line, Slab, Step, cross, link_kind, neighbour};
@@ -39,6 +40,16 @@ impl<W: AsRef<[u32]>> Octree<W> {
     /// Whether anything is hit with `t_min < t < t_max`.
     pub fn occluded(&self, ray: &Ray) -> bool {
         Walk::new(&self.parts()).occluded(ray)
+    }
+
+    /// As [`Octree::closest_hit`], in f64: `t_min < t < t_max` holds for the t of the answer.
+    pub fn closest_hit_f64(&self, ray: &RayF64) -> Option<HitF64> {
+        Walk::new(&self.parts()).closest_hit_f64(ray)
+    }
+
+    /// As [`Octree::occluded`], in f64.
+    pub fn occluded_f64(&self, ray: &RayF64) -> bool {
+        Walk::new(&self.parts()).occluded_f64(ray)
     }
 }
 
@@ -87,6 +98,18 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
     /// See [`Octree::occluded`].
     pub fn occluded(&self, ray: &Ray) -> bool {
         let canonical = self.parts.frame.canonical_with::<P>(ray);
+        canonical.is_some_and(|canonical| self.walk::<true>(&canonical, &mut |_, _| {}).nearest.is_hit())
+    }
+
+    /// See [`Octree::closest_hit_f64`].
+    pub fn closest_hit_f64(&self, ray: &RayF64) -> Option<HitF64> {
+        let canonical = self.parts.frame.canonical_f64(ray)?;
+        self.walk::<false>(&canonical, &mut |_, _| {}).nearest.hit_f64(&canonical.clock).ok()
+    }
+
+    /// See [`Octree::occluded_f64`].
+    pub fn occluded_f64(&self, ray: &RayF64) -> bool {
+        let canonical = self.parts.frame.canonical_f64(ray);
         canonical.is_some_and(|canonical| self.walk::<true>(&canonical, &mut |_, _| {}).nearest.is_hit())
     }
 

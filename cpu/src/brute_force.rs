@@ -4,7 +4,9 @@ use core::fmt;
 
 use leafwalk_core::layout::{NONE, Triangle};
 use leafwalk_core::triangle::{Shear, intersect};
-use leafwalk_core::{CanonicalRay, Frame, Hit, LengthMismatch, Ray, Tracer, one_by_one, unroll, weight_of_vertex_2};
+use leafwalk_core::{
+    CanonicalRay, Frame, Hit, HitF64, LengthMismatch, Ray, RayF64, Tracer, one_by_one, unroll, weight_of_vertex_2,
+};
 
 use crate::build::{BuildError, normalise};
 use crate::mesh::MeshRef;
@@ -32,6 +34,13 @@ impl BruteForce {
         let canonical = self.frame.canonical(ray)?;
         let (t, hit) = self.closest(&canonical)?;
         Some(Hit { t: canonical.clock.reported(t), v: weight_of_vertex_2(hit.u, hit.v), ..hit })
+    }
+
+    /// The closest hit of one ray, in f64.
+    pub fn closest_hit_f64(&self, ray: &RayF64) -> Option<HitF64> {
+        let canonical = self.frame.canonical_f64(ray)?;
+        let (t, Hit { u, v, primitive, .. }) = self.closest(&canonical)?;
+        Some(HitF64 { t: canonical.clock.reported_f64(t), u, v: weight_of_vertex_2(u, v), primitive })
     }
 
     /// Every hit of one ray, by its t, then by its primitive.

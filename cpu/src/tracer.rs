@@ -4,7 +4,7 @@ use core::cell::RefCell;
 use core::fmt;
 
 use leafwalk_core::canonical::PreparedFrame;
-use leafwalk_core::{Blocks, Hit, LengthMismatch, Octree, Ray, Tracer};
+use leafwalk_core::{Blocks, Clock, Hit, HitF64, LengthMismatch, Nearest, Octree, Ray, RayF64, Tracer};
 use rayon::prelude::*;
 
 use crate::lanes::Registers;
@@ -57,6 +57,32 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
         self.single::<AnyHit>(ray)
     }
 
+    /// The closest hit of one ray in f64, on this thread: `t_min < t < t_max` holds for the t of the answer.
+    pub fn closest_hit_f64(&self, ray: &RayF64) -> Option<HitF64> {
+        self.borrowed().find_closest_f64(ray).ok()
+    }
+
+    /// Whether one ray in f64 hits anything, on this thread.
+    pub fn occluded_f64(&self, ray: &RayF64) -> bool {
+        self.borrowed().find_any_f64(ray)
+    }
+
+    /// As [`Tracer::closest_hits`], in f64. Rays of f64 are traced one by one, which takes longer than rays of f32 do.
+    ///
+    /// # Errors
+    /// When the slices differ in length.
+    pub fn closest_hits_f64(&self, rays: &[RayF64], hits: &mut [HitF64]) -> Result<(), LengthMismatch> {
+        self.borrowed().each_f64(rays, hits, |tracer, ray| tracer.find_closest_f64(ray))
+    }
+
+    /// As [`Tracer::occlusions`], in f64, one by one likewise.
+    ///
+    /// # Errors
+    /// When the slices differ in length.
+    pub fn occlusions_f64(&self, rays: &[RayF64], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
+        self.borrowed().each_f64(rays, occluded, |tracer, ray| tracer.find_any_f64(ray))
+    }
+
     #[inline]
     fn single<Q: Query>(&self, ray: &Ray) -> Q::Answer {
         match self.octree.blocks() {
@@ -86,6 +112,41 @@ impl CpuTracer<&[u32]> {
 
     fn find_any(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
         self.batches::<AnyHit>(rays, occluded)
+    }
+
+    fn find_closest_f64(&self, ray: &RayF64) -> HitF64 {
+        self.nearest_f64::<ClosestHit>(ray).map_or(HitF64::MISS, |(nearest, clock)| nearest.hit_f64(&clock))
+    }
+
+    fn find_any_f64(&self, ray: &RayF64) -> bool {
+        self.nearest_f64::<AnyHit>(ray).is_some_and(|(nearest, _)| nearest.is_hit())
+    }
+
+    /// What one ray finds, and the clock of its t.
+    fn nearest_f64<Q: Query>(&self, ray: &RayF64) -> Option<(Nearest, Clock)> {
+        let ray = self.frame.frame().canonical_f64(ray)?;
+        let nearest = match self.octree.blocks() {
+            Blocks::Packed(blocks) => {
+                single::nearest::<_, Q>(self.registers, &Bvh::new(&self.octree, self.frame, blocks), &ray)
+            }
+            Blocks::Indexed(blocks) => {
+                single::nearest::<_, Q>(self.registers, &Bvh::new(&self.octree, self.frame, blocks), &ray)
+            }
+        };
+        Some((nearest, ray.clock))
+    }
+
+    /// Answers each ray by itself, over the threads of the current rayon pool.
+    fn each_f64<A: Send>(
+        &self,
+        rays: &[RayF64],
+        answers: &mut [A],
+        answer: impl Fn(&Self, &RayF64) -> A + Sync,
+    ) -> Result<(), LengthMismatch> {
+        LengthMismatch::check(rays.len(), answers.len())?;
+        let pairs = rays.par_iter().zip(answers).with_min_len(TASK);
+        pairs.for_each(|(ray, slot)| *slot = answer(self, ray));
+        Ok(())
     }
 
     fn batches<Q: Query>(&self, rays: &[Ray], answers: &mut [Q::Answer]) -> Result<(), LengthMismatch> {

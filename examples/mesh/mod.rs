@@ -9,7 +9,7 @@ use leafwalk::{Mesh, load_mesh};
 /// Reads the mesh file (OBJ, PLY or STL) that is the first argument, or makes the courtyard where there is none.
 pub(crate) fn from_arguments() -> Result<Mesh, Box<dyn Error>> {
     match env::args_os().nth(1) {
-        Some(path) => Ok(load_mesh(path)?.mesh),
+        Some(path) => Ok(load_mesh(path)?.mesh.into_f32()),
         None => Ok(courtyard()),
     }
 }

@@ -82,6 +82,11 @@ impl BackendArgs {
         }
     }
 
+    /// Whether they ask for a GPU.
+    pub(crate) fn is_for_gpus(&self) -> bool {
+        self.backend != Kind::Cpu
+    }
+
     /// The backend that the arguments name, ready to trace an octree.
     pub(crate) fn open(&self, octree: Octree<Vec<u32>>) -> Result<Backend, CommandError> {
         match self.backend {
@@ -110,6 +115,15 @@ impl Backend {
             Self::Cpu(tracer, _) => tracer.octree(),
             #[cfg(feature = "gpu")]
             Self::Gpu(_, octree) => octree,
+        }
+    }
+
+    /// The CPU's tracer, where that is the backend.
+    pub(crate) fn cpu(&self) -> Option<&CpuTracer<Vec<u32>>> {
+        match self {
+            Self::Cpu(tracer, _) => Some(tracer),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(..) => None,
         }
     }
 

@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use leafwalk::output_file::OutputFile;
-use leafwalk::{Builder, Mesh, Octree};
+use leafwalk::{Builder, MeshRef, Octree};
 
 use super::error::{CANCELLED, CommandError};
 use super::report::Report;
@@ -73,7 +73,7 @@ impl Context {
     }
 
     /// Builds with a bar, until Ctrl-C.
-    pub(crate) fn build(&self, builder: &Builder, mesh: &Mesh) -> Result<Octree<Vec<u32>>, CommandError> {
+    pub(crate) fn build(&self, builder: &Builder, mesh: MeshRef<'_>) -> Result<Octree<Vec<u32>>, CommandError> {
         let bar = self.progress_bar("build");
         bar.set_length(BUILD_STEPS as u64);
         let octree = builder.build_with_progress(mesh, |progress| {

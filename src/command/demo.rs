@@ -26,7 +26,7 @@ pub(crate) fn run(context: &Context) -> Result<(), CommandError> {
     let camera = Camera::new(&scene.view, Size::DEFAULT)?;
 
     let start = Instant::now();
-    let octree = context.build(&Builder::new(), &scene.mesh)?;
+    let octree = context.build(&Builder::new(), (&scene.mesh).into())?;
     let build_time = start.elapsed();
     let surfaces = Surfaces::new(&octree, scene.materials.clone());
 

@@ -6,6 +6,7 @@ use clap::Args;
 use leafwalk::Octree;
 use leafwalk::layout::{LATTICE, Section};
 use leafwalk::wire::stored_checksum;
+use leafwalk_core::contract::SMALLEST;
 use serde_json::json;
 
 use super::context::Context;
@@ -79,7 +80,12 @@ fn add_frame(report: &mut Report, octree: &Octree<Vec<u32>>) {
     let text = format!("{edge} (2^{})", parts.frame.scale_exponent);
     report.add_as("frame_edge", "frame: edge", edge, text);
     let rounding = f64::from(parts.header.rounding) * step;
-    report.add_as("frame_rounding", "frame: rounding", rounding, format!("{rounding:e} at most"));
+    let precision = if parts.header.rounding < SMALLEST { "f32" } else { "f64" };
+    let text = match rounding {
+        0.0 => format!("{precision}: no vertex moved"),
+        _ => format!("{precision}: vertices moved by {rounding:e} at most"),
+    };
+    report.add_as("frame_rounding", "precision", rounding, text);
     let padding = f64::from(parts.header.padding) * step;
     report.add_as("padding", "padding", padding, format!("{padding:e}"));
     let is_empty = (0..3).any(|k| bounds.lower[k] > bounds.upper[k]);

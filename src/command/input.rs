@@ -64,6 +64,6 @@ pub(crate) fn build(
     context: &Context,
 ) -> Result<(Octree<Vec<u32>>, Duration), CommandError> {
     let start = Instant::now();
-    let octree = context.build(builder, &file.mesh)?;
+    let octree = context.build(builder, (&file.mesh).into())?;
     Ok((octree, start.elapsed()))
 }

@@ -8,6 +8,7 @@
 //! Vertices that are not finite pass through as they are, from every format that can hold them (ASCII PLY and ASCII
 //! STL cannot: there they are a [`MeshError::Syntax`]); the builder rejects them by number.
 
+mod any_mesh;
 mod error;
 mod lines;
 pub(crate) mod load;
@@ -20,17 +21,16 @@ mod stl;
 
 use std::path::PathBuf;
 
+pub use any_mesh::AnyMesh;
 pub use error::MeshError;
-
-use crate::Mesh;
 
 /// What a mesh file held.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshFile {
     /// The vertices of the file in its order, used or not (STL: each different position once, in order of appearance),
-    /// and its triangles in the order of its faces. `material_ids` index [`materials`](Self::materials); both are empty
-    /// where the file gives no face a material.
-    pub mesh: Mesh,
+    /// and its triangles in the order of its faces. Material ids index [`materials`](Self::materials); both are empty
+    /// where the file gives no face a material. Builders take it as it is.
+    pub mesh: AnyMesh,
     /// The materials of the MTL files in their order, then those that faces use and no MTL file defines.
     pub materials: Vec<Material>,
     /// MTL files that the OBJ file names and that do not exist.

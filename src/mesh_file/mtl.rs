@@ -56,7 +56,11 @@ impl Library {
             match (word, color(rest)) {
                 ("newmtl", _) if rest.trim().is_empty() => return Err(source.syntax("`newmtl` without a name")),
                 ("newmtl", _) => _ = writeln!(out, "newmtl {}", rest.trim()),
-                ("Kd" | "Ke", Some([r, g, b])) => _ = writeln!(out, "{word} {r} {g} {b}"),
+                ("Kd" | "Ke", Some(color)) => {
+                    // tobj reads f64: of f64, the shortest text gives all bits back.
+                    let [r, g, b] = color.map(f64::from);
+                    _ = writeln!(out, "{word} {r} {g} {b}");
+                }
                 _ => {}
             }
             Ok(())
@@ -68,8 +72,9 @@ impl Library {
         for read in materials {
             let id = self.id(&read.name) as usize;
             let material = &mut self.materials[id];
-            material.diffuse = read.diffuse.unwrap_or(material.diffuse);
-            material.emission = read.emissive.unwrap_or(material.emission);
+            let rounded = |color: [f64; 3]| color.map(|c| c as f32);
+            material.diffuse = read.diffuse.map_or(material.diffuse, rounded);
+            material.emission = read.emissive.map_or(material.emission, rounded);
         }
         Ok(())
     }

@@ -12,22 +12,24 @@ use super::lines::Lines;
 use super::mtl::Library;
 use super::polygon::Fans;
 use super::source::Source;
-use super::{MeshError, MeshFile};
-use crate::Mesh;
+use super::{AnyMesh, MeshError, MeshFile};
 
 pub(super) fn read(mut source: Source) -> Result<MeshFile, MeshError> {
     let mut seen = Seen::default();
     let parsed = parse(&mut source, &mut seen)?;
     let (path, limits) = (source.path(), source.limits());
 
-    let mut positions = Vec::with_capacity(seen.vertices);
-    let mut numbers = vec![0; seen.vertices];
+    let vertices = seen.positions.len();
+    // Where tobj has each vertex of the file, and the other way round.
+    let mut marks = Vec::with_capacity(vertices);
+    let mut numbers = vec![0; vertices];
     for corners in faces(&parsed) {
         if let &[mark] = corners {
-            numbers[mark as usize] = positions.len() as u32;
-            positions.extend(parsed.positions[3 * mark as usize..].first_chunk());
+            numbers[mark as usize] = marks.len() as u32;
+            marks.push(mark);
         }
     }
+    let exact = |vertex: usize| core::array::from_fn(|k| parsed.positions[3 * marks[vertex] as usize + k]);
 
     let mut library = Library::default();
     if !seen.uses.is_empty() {
@@ -49,8 +51,8 @@ pub(super) fn read(mut source: Source) -> Result<MeshFile, MeshError> {
         let triangles = fans.push(path, &corners)?;
         material_ids.extend(material.into_iter().flat_map(|id| repeat_n(id, triangles)));
     }
-    let (triangles, skipped_faces) = fans.finish(path, &positions)?;
-    let mesh = Mesh { positions, triangles, material_ids };
+    let (triangles, skipped_faces) = fans.finish(path, exact)?;
+    let mesh = AnyMesh::choose(seen.positions, exact, triangles, material_ids);
     Ok(MeshFile { mesh, materials: library.materials, missing_libraries: library.missing, skipped_faces })
 }
 
@@ -73,7 +75,7 @@ fn parse(source: &mut Source, seen: &mut Seen) -> Result<tobj::Mesh, MeshError> 
         // tobj looks indices up after the last line; of those that pass here, one too large is all it can find.
         Err(tobj::LoadError::FaceVertexOutOfBounds) => {
             let (index, face) = seen.largest;
-            Err(MeshError::IndexOutOfRange { path, face, index, vertices: seen.vertices as u64 })
+            Err(MeshError::IndexOutOfRange { path, face, index, vertices: seen.positions.len() as u64 })
         }
         Err(error) => Err(lines.into_error(brief(error))),
     }
@@ -82,7 +84,8 @@ fn parse(source: &mut Source, seen: &mut Seen) -> Result<tobj::Mesh, MeshError> 
 /// What the lines so far have said that tobj does not hear of.
 #[derive(Default)]
 struct Seen {
-    vertices: usize,
+    /// The vertices in f32, of text that was rounded once: f64 could end between two numbers of f32, and the wrong one.
+    positions: Vec<[f32; 3]>,
     faces: u64,
     /// The largest vertex named by a face before or after it was defined, and the first face to name it.
     largest: (i64, u64),
@@ -117,18 +120,24 @@ impl Seen {
     }
 
     fn vertex(&mut self, source: &Source, rest: &str, out: &mut String) -> Result<(), MeshError> {
-        self.vertices += 1;
-        let count = self.vertices as u64;
+        let count = self.positions.len() as u64 + 1;
         if count > u64::from(u32::MAX) {
             return Err(MeshError::TooLarge { path: source.path().to_owned(), what: "vertices", count });
         }
         // A fourth number is a weight to divide by; six or more are a position and a colour.
         let numbers = words(rest).count();
+        let mut parsed = [1.0; 4];
         out.push('v');
-        for number in words(rest).take(if numbers < 6 { numbers } else { 3 }) {
+        for (k, number) in words(rest).take(if numbers < 6 { numbers } else { 3 }).enumerate() {
             out.push(' ');
             out.push_str(number);
+            if let Some(parsed) = parsed.get_mut(k) {
+                // tobj refuses the line if this is no number.
+                *parsed = number.parse().unwrap_or(f32::NAN);
+            }
         }
+        let [x, y, z, weight] = parsed;
+        self.positions.push([x / weight, y / weight, z / weight]);
         // tobj keeps the vertices that faces use, in the order of their use: a mark keeps all, in their own order.
         out.push_str("\nf -1\n");
         Ok(())
@@ -148,8 +157,8 @@ impl Seen {
             if index == 0 {
                 return Err(MeshError::ZeroIndex { path: source.path().to_owned(), face, line: source.line() });
             }
-            if index.saturating_neg() > self.vertices as i64 {
-                let (path, vertices) = (source.path().to_owned(), self.vertices as u64);
+            if index.saturating_neg() > self.positions.len() as i64 {
+                let (path, vertices) = (source.path().to_owned(), self.positions.len() as u64);
                 return Err(MeshError::IndexOutOfRange { path, face, index, vertices });
             }
             if index > self.largest.0 {

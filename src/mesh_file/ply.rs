@@ -1,6 +1,9 @@
 //! PLY: the elements `vertex` and `face`, ASCII or binary in either byte order; all other elements and properties are
 //! passed over.
 //!
+//! A coordinate is a number of its declared type, in text, too: a `double` is the number of f64 that is nearest to it, and
+//! where the mesh is one of f32, the number of f32 that is nearest to the text.
+//!
 //! Elements are parsed one by one as their bytes arrive, so a header's counts allocate nothing, and an error can name
 //! the element.
 
@@ -8,13 +11,14 @@ use std::io::{self, ErrorKind};
 
 use ply_rs_bw::parser::{ParseError, Parser};
 use ply_rs_bw::ply::{
-    BeginList, ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
+    BeginList, ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyDef, PropertyType,
+    ScalarType,
 };
 
 use super::error::brief;
 use super::polygon::Fans;
 use super::source::Source;
-use super::{MeshError, MeshFile};
+use super::{AnyMesh, MeshError, MeshFile};
 use crate::Mesh;
 
 /// A header is a few lines, with comments a few pages.
@@ -28,16 +32,23 @@ pub(super) fn read(mut source: Source) -> Result<MeshFile, MeshError> {
     check(&source, &header)?;
     let vertices = header.elements["vertex"].count as u64;
     let path = source.path().to_owned();
-    let mut positions = Vec::new();
+    // What f32 holds is not kept twice.
+    let is_wide = header.elements["vertex"].properties.values().any(is_wide_coordinate);
+    let as_floats = (is_wide && header.encoding == Encoding::Ascii).then(|| with_floats(&header.elements["vertex"]));
+    let (mut rounded, mut exact) = (Vec::new(), Vec::new());
     let mut fans = Fans::default();
     let mut corners = Vec::new();
     for element in header.elements.values() {
         match element.name.as_str() {
-            "vertex" => read_elements(&mut source, &header, element, |_, Vertex(position)| {
-                positions.push(position);
+            "vertex" => read_elements(&mut source, &header, element, |_, Vertex(position), text| {
+                // Text that is a number of f64 is one of f32.
+                let from_text = |element| Parser::new().read_ascii_element(text, element).ok();
+                let Vertex(nearest) = as_floats.as_ref().and_then(from_text).unwrap_or(Vertex(position));
+                rounded.push(nearest.map(|c| c as f32));
+                exact.extend(is_wide.then_some(position));
                 Ok(())
             })?,
-            "face" => read_elements(&mut source, &header, element, |face, Face { signed, unsigned }| {
+            "face" => read_elements(&mut source, &header, element, |face, Face { signed, unsigned }, _| {
                 corners.clear();
                 for index in signed.into_iter().map(i64::from).chain(unsigned.into_iter().map(i64::from)) {
                     let corner = u32::try_from(index).ok().filter(|&corner| u64::from(corner) < vertices);
@@ -52,12 +63,18 @@ pub(super) fn read(mut source: Source) -> Result<MeshFile, MeshError> {
                 fans.push(&path, &corners)?;
                 Ok(())
             })?,
-            _ => read_elements(&mut source, &header, element, |_, Other| Ok(()))?,
+            _ => read_elements(&mut source, &header, element, |_, Other, _| Ok(()))?,
         }
     }
     source.finish()?;
-    let (triangles, skipped_faces) = fans.finish(&path, &positions)?;
-    Ok(MeshFile { mesh: Mesh::new(positions, triangles), skipped_faces, ..MeshFile::default() })
+    let (mesh, skipped_faces) = if is_wide {
+        let (triangles, skipped) = fans.finish(&path, |index| exact[index])?;
+        (AnyMesh::choose(rounded, |index| exact[index], triangles, Vec::new()), skipped)
+    } else {
+        let (triangles, skipped) = fans.finish(&path, |index| rounded[index].map(f64::from))?;
+        (AnyMesh::F32(Mesh::new(rounded, triangles)), skipped)
+    };
+    Ok(MeshFile { mesh, skipped_faces, ..MeshFile::default() })
 }
 
 fn read_header(source: &mut Source) -> Result<Header, MeshError> {
@@ -126,12 +143,12 @@ fn check(source: &Source, header: &Header) -> Result<(), MeshError> {
     }
 }
 
-/// Parses the elements of one kind, and hands each to `take` with its number from 1.
+/// Parses the elements of one kind, and hands each to `take` with its number from 1 and, where the file is text, its line.
 fn read_elements<E: PropertyAccess>(
     source: &mut Source,
     header: &Header,
     element: &ElementDef,
-    mut take: impl FnMut(u64, E) -> Result<(), MeshError>,
+    mut take: impl FnMut(u64, E, &str) -> Result<(), MeshError>,
 ) -> Result<(), MeshError> {
     // Such an element has no bytes to read, however often it is repeated.
     if element.properties.is_empty() && header.encoding != Encoding::Ascii {
@@ -140,13 +157,15 @@ fn read_elements<E: PropertyAccess>(
     let parser = Parser::<E>::new();
     let mut line = Vec::new();
     for read in 0..element.count as u64 {
+        let has_line = header.encoding == Encoding::Ascii && source.next_line(&mut line)?;
+        let text = String::from_utf8_lossy(&line);
         let parsed = match header.encoding {
-            Encoding::Ascii if !source.next_line(&mut line)? => Err(io::Error::from(ErrorKind::UnexpectedEof).into()),
-            Encoding::Ascii => parser.read_ascii_element(&String::from_utf8_lossy(&line), element),
+            Encoding::Ascii if !has_line => Err(io::Error::from(ErrorKind::UnexpectedEof).into()),
+            Encoding::Ascii => parser.read_ascii_element(&text, element),
             Encoding::BinaryLittleEndian => parser.read_little_endian_element(source, element),
             Encoding::BinaryBigEndian => parser.read_big_endian_element(source, element),
         };
-        take(read + 1, parsed.map_err(|error| element_error(source, header, element, read, error))?)?;
+        take(read + 1, parsed.map_err(|error| element_error(source, header, element, read, error))?, &text)?;
     }
     Ok(())
 }
@@ -172,11 +191,27 @@ fn element_error(
     }
 }
 
-/// Where a vertex lies: f32 as written, all other types rounded to it.
-struct Vertex([f32; 3]);
+/// Whether a property is a coordinate of a type whose numbers f32 may have to round.
+fn is_wide_coordinate(property: &PropertyDef) -> bool {
+    let is_wide =
+        matches!(property.data_type, PropertyType::Scalar(ScalarType::Double | ScalarType::Int | ScalarType::UInt));
+    is_wide && COORDINATES.contains(&property.name.as_str())
+}
+
+/// The same element with coordinates of `float`: f64 in between would round text twice.
+fn with_floats(element: &ElementDef) -> ElementDef {
+    let mut element = element.clone();
+    for axis in COORDINATES {
+        element.properties[axis].data_type = PropertyType::Scalar(ScalarType::Float);
+    }
+    element
+}
+
+/// Where a vertex lies.
+struct Vertex([f64; 3]);
 
 impl Vertex {
-    fn set(&mut self, name: &str, value: f32) -> PropertyAccessResult {
+    fn set(&mut self, name: &str, value: f64) -> PropertyAccessResult {
         match COORDINATES.iter().position(|axis| *axis == name) {
             Some(axis) => {
                 self.0[axis] = value;
@@ -193,15 +228,20 @@ impl PropertyAccess for Vertex {
     }
 
     fn set_float(&mut self, name: &str, value: f32) -> PropertyAccessResult {
-        self.set(name, value)
+        self.set(name, value.into())
     }
 
     fn set_double(&mut self, name: &str, value: f64) -> PropertyAccessResult {
-        self.set(name, value as f32)
+        self.set(name, value)
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        property.to_f32_lossy().map_or(PropertyAccessResult::Ignored, |value| self.set(name, value))
+        match property {
+            Property::Int(value) => self.set(name, value.into()),
+            Property::UInt(value) => self.set(name, value.into()),
+            // Of the other types f32 holds all numbers.
+            _ => property.to_f32_lossy().map_or(PropertyAccessResult::Ignored, |value| self.set(name, value.into())),
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::MeshError;
 
@@ -60,17 +60,18 @@ impl Fans {
         Ok(triangles)
     }
 
-    /// Checks every polygon against the positions, which all corners must index. Returns the triangles and how many
-    /// faces made none.
-    pub(super) fn finish(self, path: &Path, positions: &[[f32; 3]]) -> Result<(Vec<[u32; 3]>, usize), MeshError> {
+    /// Checks every polygon against the position of each corner. Returns the triangles and how many faces made none.
+    pub(super) fn finish(
+        self,
+        path: &Path,
+        position: impl Fn(usize) -> [f64; 3],
+    ) -> Result<(Vec<[u32; 3]>, usize), MeshError> {
         let mut outline = Vec::new();
         for polygon in &self.polygons {
             let fan = &self.triangles[polygon.first..][..polygon.triangles];
             outline.clear();
-            outline.extend(fan[0][..2].iter().chain(fan.iter().map(|triangle| &triangle[2])).map(|&index| {
-                // Rounding to f64 is exact, and no product of two coordinates overflows there.
-                Vec3::from(positions[index as usize]).as_dvec3()
-            }));
+            let indices = fan[0][..2].iter().chain(fan.iter().map(|triangle| &triangle[2]));
+            outline.extend(indices.map(|&index| DVec3::from(position(index as usize))));
             let Some(fault) = fault(&outline) else { continue };
             let (path, face, corners) = (path.to_owned(), polygon.face, outline.len());
             return Err(match fault {
@@ -244,7 +245,7 @@ mod tests {
             .map(|corners| fans.push(path, corners).unwrap())
             .to_vec();
         assert_eq!(made, [1, 0, 0, 0, 2, 1]);
-        let (triangles, skipped) = fans.finish(path, &positions).unwrap();
+        let (triangles, skipped) = fans.finish(path, |index| positions[index]).unwrap();
         assert_eq!(triangles, [[0, 1, 2], [3, 0, 1], [3, 1, 2], [0, 2, 3]]);
         assert_eq!(skipped, 3);
     }
@@ -257,7 +258,7 @@ mod tests {
             let mut fans = Fans::default();
             fans.push(path, &[0, 1]).unwrap();
             fans.push(path, corners).unwrap();
-            fans.finish(path, &positions).unwrap_err()
+            fans.finish(path, |index| positions[index]).unwrap_err()
         };
         let concave = finish(&[0, 1, 2, 3]);
         assert!(matches!(concave, MeshError::ConcaveFace { face: 2, corners: 4, corner: 3, .. }), "{concave}");

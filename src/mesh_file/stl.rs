@@ -6,7 +6,7 @@ use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 use super::error::brief;
 use super::lines::Lines;
 use super::source::Source;
-use super::{MeshError, MeshFile};
+use super::{AnyMesh, MeshError, MeshFile};
 use crate::Mesh;
 
 /// A binary file's free text and count of triangles.
@@ -23,7 +23,7 @@ pub(super) fn read(mut source: Source) -> Result<MeshFile, MeshError> {
     if count > u64::from(u32::MAX) {
         return Err(MeshError::TooLarge { path: source.path().to_owned(), what: "vertices", count });
     }
-    Ok(MeshFile { mesh: Mesh::new(soup.positions, soup.triangles), ..MeshFile::default() })
+    Ok(MeshFile { mesh: AnyMesh::F32(Mesh::new(soup.positions, soup.triangles)), ..MeshFile::default() })
 }
 
 fn read_text(source: &mut Source) -> Result<Soup, MeshError> {

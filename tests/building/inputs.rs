@@ -53,7 +53,7 @@ fn vertices_must_be_finite() {
         let mesh = soup_with(|mesh| mesh.positions[vertex as usize][2] = value);
         let error = Builder::new().build(&mesh).expect_err("a mesh that does not build");
         let BuildError::NonFiniteVertex { vertex: found, position } = error else { panic!("{error}") };
-        assert_eq!((found, position[2].to_bits()), (vertex, value.to_bits()));
+        assert_eq!((found, position[2].to_bits()), (vertex, f64::from(value).to_bits()));
 
         let octree = Builder::new().lenient().build(&mesh).expect("a mesh that builds");
         let corners = (0..mesh.triangles.len()).map(|i| mesh.corners(i));

@@ -6,4 +6,5 @@ mod limits;
 mod listing;
 mod structure;
 mod threads;
+mod utm;
 mod verification;

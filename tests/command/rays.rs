@@ -1,6 +1,6 @@
 //! Rays in and hits out through `leafwalk trace`, in every form that files may have.
 
-use leafwalk::{Builder, Hit, Octree, Ray, hit_hash};
+use leafwalk::{Builder, Hit, HitF64, Mesh, Octree, Ray, RayF64, hit_hash};
 use leafwalk_testing::meshes::bumpy_sphere;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::shell::{Shell, obj};
@@ -32,7 +32,14 @@ fn rows() -> Vec<[f64; 8]> {
     (0..RAYS).map(row).collect()
 }
 
-/// The ray of the first columns of a row.
+/// The ray of the first columns of a row, in f64.
+fn ray_f64(row: &[f64]) -> RayF64 {
+    let t_min = row.get(6).copied().unwrap_or(0.0);
+    let t_max = row.get(7).copied().unwrap_or(f64::INFINITY);
+    RayF64::between([row[0], row[1], row[2]], [row[3], row[4], row[5]], t_min, t_max)
+}
+
+/// The ray of the first columns of a row, rounded to f32.
 fn ray(row: &[f64]) -> Ray {
     let at = |k: usize| row[k] as f32;
     let t_min = if row.len() > 6 { at(6) } else { 0.0 };
@@ -47,9 +54,19 @@ fn sphere() -> (Shell, Octree<Vec<u32>>) {
     (shell, octree)
 }
 
-/// The answers that the library gives to the first columns of the rows.
+/// The answers that the library gives to the first columns of the rows, rounded to f32.
 fn expected(octree: &Octree<Vec<u32>>, columns: usize) -> Vec<Hit> {
     rows().iter().map(|row| Hit::from(octree.closest_hit(&ray(&row[..columns])))).collect()
+}
+
+/// The answers that the library gives to the first columns of the rows in f64.
+fn expected_f64(octree: &Octree<Vec<u32>>, columns: usize) -> Vec<HitF64> {
+    rows().iter().map(|row| HitF64::from(octree.closest_hit_f64(&ray_f64(&row[..columns])))).collect()
+}
+
+/// The same with distances in f32.
+fn rounded(hits: &[HitF64]) -> Vec<Hit> {
+    hits.iter().map(|hit| Hit::from(*hit)).collect()
 }
 
 fn assert_same(found: &[Hit], expected: &[Hit], what: &str) {
@@ -128,14 +145,15 @@ fn npy(item: &str, order: Order, columns: usize) -> Vec<u8> {
 fn npy_of_every_kind_gives_the_answers_of_the_library() {
     let (shell, octree) = sphere();
     for columns in 6..=8 {
-        let expected = expected(&octree, columns);
+        let by_size = [expected(&octree, columns), rounded(&expected_f64(&octree, columns))];
         for item in ["<f4", ">f4", "<f8", ">f8"] {
             for order in [Order::C, Order::Fortran] {
                 let what = format!("{item} {order:?} {columns}");
+                let expected = &by_size[usize::from(item.ends_with('8'))];
                 shell.write("rays.npy", npy(item, order, columns));
                 let report = shell.json("trace sphere.lwk rays.npy -o hits.npy");
-                assert_report(&report, &expected, columns);
-                assert_same(&read_npy(&shell.read("hits.npy")), &expected, &what);
+                assert_report(&report, expected, columns);
+                assert_same(&read_npy(&shell.read("hits.npy")), expected, &what);
             }
         }
     }
@@ -146,11 +164,10 @@ fn npy_of_every_kind_gives_the_answers_of_the_library() {
 fn csv_with_and_without_a_header_gives_the_answers_of_the_library() {
     let (shell, octree) = sphere();
     for columns in 6..=8 {
-        let expected = expected(&octree, columns);
+        let expected = rounded(&expected_f64(&octree, columns));
         for (header, separator, end) in [(false, ",", "\n"), (true, ",", "\r\n"), (true, " ,\t", "\n\n")] {
             let line = |fields: Vec<String>| fields.join(separator) + end;
-            // Rounded here, since text is rounded to f32 once and f64 twice.
-            let row = |row: [f64; 8]| line(row[..columns].iter().map(|field| (*field as f32).to_string()).collect());
+            let row = |row: [f64; 8]| line(row[..columns].iter().map(|field| field.to_string()).collect());
             let names = header.then(|| line(NAMES[..columns].iter().map(|name| name.to_string()).collect()));
             let text: String = names.into_iter().chain(rows().into_iter().map(row)).collect();
             shell.write("rays.csv", text.as_bytes());
@@ -159,6 +176,66 @@ fn csv_with_and_without_a_header_gives_the_answers_of_the_library() {
             assert_same(&read_csv(&shell.read("hits.csv")), &expected, &format!("{columns} columns, header {header}"));
         }
     }
+}
+
+#[derive(npyz::Deserialize)]
+struct RowF64 {
+    t: f64,
+    u: f32,
+    v: f32,
+    primitive: u32,
+}
+
+#[test]
+fn distances_are_in_f64_on_request() {
+    let (shell, octree) = sphere();
+    let bits = |hit: &HitF64| (hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive);
+    let of_f32: Vec<HitF64> = rows().iter().map(|row| octree.closest_hit_f64(&ray(row).into()).into()).collect();
+    for (item, expected) in [("<f4", of_f32), ("<f8", expected_f64(&octree, 8))] {
+        shell.write("rays.npy", npy(item, Order::C, 8));
+        let report = shell.json("trace sphere.lwk rays.npy -o hits.npy --t f64");
+        assert_report(&report, &rounded(&expected), 8);
+        let bytes = shell.read("hits.npy");
+        let file = NpyFile::new(bytes.as_slice()).expect("an npy file");
+        assert_eq!(file.dtype().descr(), "[('t', '<f8'), ('u', '<f4'), ('v', '<f4'), ('primitive', '<u4'), ]");
+        let rows = file.into_vec::<RowF64>().expect("rows of hits").into_iter();
+        let found: Vec<_> = rows.map(|RowF64 { t, u, v, primitive }| HitF64 { t, u, v, primitive }).collect();
+        assert!(found.iter().map(bits).eq(expected.iter().map(bits)), "{item}");
+
+        shell.run("trace sphere.lwk rays.npy -o hits.csv --t f64").assert_code(0);
+        let text = String::from_utf8(shell.read("hits.csv")).expect("text");
+        let distances = text.lines().skip(1).map(|line| line.split(',').next().and_then(|t| t.parse::<f64>().ok()));
+        assert!(distances.eq(expected.iter().map(|hit| Some(hit.t))), "{item}");
+    }
+}
+
+/// A scene in UTM coordinates, from its file to the hits: it is traced where it is, to the last bit of the library.
+#[test]
+fn utm_coordinates_go_through_files() {
+    let shell = shell();
+    let corners =
+        [[500_000.123, 4_500_000.004, 10.5], [500_010.456, 4_500_000.25, 10.5], [500_000.2, 4_500_000.1, 20.0]];
+    let mesh = Mesh::new_f64(corners.to_vec(), vec![[0, 1, 2]]);
+    let text = corners.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
+    shell.write("utm.obj", text + "f 1 2 3\n");
+    shell.run("build utm.obj -o utm.lwk").assert_code(0);
+    let octree = Builder::new().build(&mesh).expect("a mesh that can be built");
+    let loaded = leafwalk::load_octree(shell.path("utm.lwk")).expect("a file that was just built");
+    assert!(loaded.as_words() == octree.as_words());
+    shell.run("verify utm.lwk utm.obj").assert_code(0);
+    let info = shell.json("info utm.lwk");
+    let anchor: Vec<_> = (0..3).filter_map(|k| info["frame_anchor"][k].as_f64()).collect();
+    assert_eq!(anchor, octree.frame().anchor);
+    let moved = info["frame_rounding"].as_f64().expect("a number");
+    assert!(moved > 0.0 && moved < 1e-6, "{moved}");
+
+    let ray = RayF64::new([500_003.3, 4_495_000.001, 13.0], [0.0, 1.0, 0.0002]);
+    shell.write("rays.csv", "500003.3,4495000.001,13,0,1,0.0002\n");
+    shell.run("trace utm.lwk rays.csv -o hits.csv --t f64").assert_code(0);
+    let hit = octree.closest_hit_f64(&ray).expect("a ray at the triangle");
+    let text = String::from_utf8(shell.read("hits.csv")).expect("text");
+    assert_eq!(text, format!("t,u,v,primitive\n{:?},{:?},{:?},0\n", hit.t, hit.u, hit.v));
+    assert!((hit.t - 5000.08).abs() < 0.05 && f64::from(hit.t as f32) != hit.t, "{hit:?}");
 }
 
 #[test]

@@ -41,6 +41,7 @@ fn damaged_files_are_meshes_or_errors() {
         let mut check = |bytes: &[u8]| {
             if let Ok(MeshFile { mesh, materials, .. }) = load_mesh(write(&folder, name, bytes)) {
                 read += 1;
+                let mesh = mesh.into_f32();
                 assert!(mesh.triangles.iter().flatten().all(|&index| (index as usize) < mesh.positions.len()));
                 assert!(mesh.material_ids.iter().all(|&id| (id as usize) < materials.len()));
                 assert!(mesh.material_ids.is_empty() || mesh.material_ids.len() == mesh.triangles.len());

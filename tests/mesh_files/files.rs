@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use leafwalk::load_mesh;
 use leafwalk::mesh_file::{MeshError, MeshFile};
+use leafwalk::{Mesh, load_mesh};
 use tempfile::TempDir;
 
 pub(crate) fn folder() -> TempDir {
@@ -34,6 +34,11 @@ pub(crate) fn read(name: &str, bytes: impl AsRef<[u8]>) -> MeshFile {
     // Not `==`: a NaN must equal itself here, and the zeros differ.
     assert_eq!(format!("{plain:?}"), format!("{zipped:?}"));
     plain
+}
+
+/// The mesh of a file whose numbers f32 holds.
+pub(crate) fn f32_mesh(file: &MeshFile) -> &Mesh {
+    file.mesh.as_f32().expect("a mesh of f32")
 }
 
 /// As [`read`], for bytes that are no mesh.

@@ -16,6 +16,7 @@ mod limits;
 mod materials;
 mod obj;
 mod ply;
+mod precision;
 mod scenes;
 mod sources;
 mod stl;

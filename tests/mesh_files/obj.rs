@@ -3,7 +3,7 @@
 use leafwalk::mesh_file::MeshError;
 
 use crate::exact::{CORNERS, TRIANGLES, assert_exact};
-use crate::files::{read, refuse};
+use crate::files::{f32_mesh, read, refuse};
 
 #[test]
 fn obj_is_exact() {
@@ -34,14 +34,14 @@ fn obj_keeps_the_order_of_the_file_and_shares_vertices_across_groups() {
          v 0 1 0\nv 8 8 8\no third\nf 5 2 3\nusemtl\ng first\nf 4 5 2\n",
     );
     let positions = [[9.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [8.0; 3]];
-    assert_eq!(file.mesh.positions, positions);
-    assert_eq!(file.mesh.triangles, [[3, 2, 1], [1, 2, 3], [4, 1, 2], [3, 4, 1]]);
+    assert_eq!(f32_mesh(&file).positions, positions);
+    assert_eq!(file.mesh.triangles(), [[3, 2, 1], [1, 2, 3], [4, 1, 2], [3, 4, 1]]);
 }
 
 #[test]
 fn obj_corners() {
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
-    let triangles = |faces: &str| read("a.obj", format!("{square}{faces}")).mesh.triangles;
+    let triangles = |faces: &str| read("a.obj", format!("{square}{faces}")).mesh.triangles().to_vec();
     assert_eq!(triangles("f 1 2 3 4"), [[0, 1, 2], [0, 2, 3]]);
     assert_eq!(triangles("f -4 -3 -2 -1"), [[0, 1, 2], [0, 2, 3]]);
     assert_eq!(triangles("f -1 1 +2\nv 5 5 5\nf -2 1 2"), [[3, 0, 1], [3, 0, 1]]);
@@ -49,24 +49,24 @@ fn obj_corners() {
     assert_eq!(triangles("fo 1 2 3"), [[0, 1, 2]]);
     // A face may come before its vertices.
     let file = read("a.obj", format!("f 4 1 3\n{square}"));
-    assert_eq!(file.mesh.positions[3], [0.0, 1.0, 0.0]);
-    assert_eq!(file.mesh.triangles, [[3, 0, 2]]);
+    assert_eq!(f32_mesh(&file).positions[3], [0.0, 1.0, 0.0]);
+    assert_eq!(file.mesh.triangles(), [[3, 0, 2]]);
     let pentagon = "v 2 0 0\nv 0.6 1.9 0\nv -1.6 1.2 0\nv -1.6 -1.2 0\nv 0.6 -1.9 0\nf 3 4 5 1 2\n";
-    assert_eq!(read("a.obj", pentagon).mesh.triangles, [[2, 3, 4], [2, 4, 0], [2, 0, 1]]);
+    assert_eq!(read("a.obj", pentagon).mesh.triangles(), [[2, 3, 4], [2, 4, 0], [2, 0, 1]]);
 }
 
 #[test]
 fn obj_vertices_with_weight_or_color() {
     let file = read("a.obj", "v 2 4 6 2\nv 1 2 3 0.1 0.2 0.3\nv 1 2 3 0.1 0.2 0.3 1\nv 1 2 3 1\nf 1 2 3\n");
-    assert_eq!(file.mesh.positions, [[1.0, 2.0, 3.0]; 4]);
+    assert_eq!(f32_mesh(&file).positions, [[1.0, 2.0, 3.0]; 4]);
 }
 
 #[test]
 fn obj_skips_points_and_lines_and_counts_them() {
     let file = read("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl a\nf 1\nf 1 2\nf\nusemtl b\nf 1 2 3\nf 2 3\n");
-    assert_eq!(file.mesh.triangles, [[0, 1, 2]]);
+    assert_eq!(file.mesh.triangles(), [[0, 1, 2]]);
     assert_eq!(file.skipped_faces, 4);
-    assert_eq!(file.materials[file.mesh.material_ids[0] as usize].name, "b");
+    assert_eq!(file.materials[file.mesh.material_ids()[0] as usize].name, "b");
 }
 
 #[test]

@@ -50,7 +50,8 @@ fn scenes_load() {
     for path in found {
         let file = load_mesh(&path).expect("a file that can be read");
         let name = path.file_name().expect("a file that can be read").to_string_lossy();
-        let counts = (file.mesh.triangles.len(), file.mesh.positions.len());
+        let mesh = file.mesh.as_f32().expect("coordinates that f32 holds");
+        let counts = (mesh.triangles.len(), mesh.positions.len());
         match SCENES.iter().find(|scene| scene.0 == name) {
             Some(&(_, triangles, vertices)) => assert_eq!(counts, (triangles, vertices), "{name}"),
             None => println!("{name}: {counts:?} triangles and vertices, not in the table"),
@@ -58,14 +59,14 @@ fn scenes_load() {
         assert_eq!(file.skipped_faces, 0, "{name}");
         assert!(file.missing_libraries.is_empty(), "{name}");
         let material = |id: u32| &file.materials[id as usize];
-        let ids = &file.mesh.material_ids;
+        let ids = &mesh.material_ids;
         if name.starts_with("CornellBox-") && !name.contains("Empty") {
             let lamps = ids.iter().filter(|&&id| material(id).emission != [0.0; 3]).count();
             assert!(lamps > 0, "{name}: no light");
         }
         if name == "CornellBox-Original.obj" {
             let left = Material { name: "leftWall".to_owned(), diffuse: [0.63, 0.065, 0.05], emission: [0.0; 3] };
-            assert_eq!(ids.len(), file.mesh.triangles.len());
+            assert_eq!(ids.len(), mesh.triangles.len());
             assert_eq!(ids.iter().filter(|&&id| *material(id) == left).count(), 2);
             assert_eq!(ids.iter().filter(|&&id| material(id).emission == [17.0, 12.0, 4.0]).count(), 2);
         }

@@ -38,7 +38,7 @@ pub(crate) fn conference(purpose: &str) -> Option<&'static (Mesh, Scene)> {
 fn load(cache: &'static Real, file: &str, purpose: &str) -> Option<&'static (Mesh, Scene)> {
     let path = leafwalk_testing::scenes::real(file, purpose)?;
     Some(cache.get_or_init(|| {
-        let mesh = leafwalk::load_mesh(&path).expect("a readable scene").mesh;
+        let mesh = leafwalk::load_mesh(&path).expect("a readable scene").mesh.into_f32();
         let scene = Scene::new(&mesh);
         (mesh, scene)
     }))

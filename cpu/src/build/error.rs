@@ -6,12 +6,12 @@ use core::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// A vertex that a triangle uses is NaN or infinite.
+    /// A vertex that a triangle uses is NaN, infinite, or larger than any number of f32.
     NonFiniteVertex {
         /// Index of the vertex.
         vertex: u32,
         /// Its position.
-        position: [f32; 3],
+        position: [f64; 3],
     },
     /// A triangle uses a vertex that the mesh does not have.
     IndexOutOfRange {
@@ -66,7 +66,8 @@ impl fmt::Display for BuildError {
             Self::NonFiniteVertex { vertex, position: [x, y, z] } => {
                 write!(
                     f,
-                    "vertex {vertex} is ({x}, {y}, {z}): repair it, or build leniently to leave its triangles out"
+                    "vertex {vertex} is ({x:?}, {y:?}, {z:?}), which f32 cannot hold: repair it, or build leniently to \
+                     leave its triangles out"
                 )
             }
             Self::IndexOutOfRange { triangle, index, vertices } => {

@@ -8,7 +8,7 @@ use leafwalk_core::testing::frame_touching;
 use rayon::prelude::*;
 
 use super::error::BuildError;
-use crate::mesh::MeshRef;
+use crate::mesh::{MeshRef, Positions};
 
 /// Bytes that the normalised mesh takes, and what it is made from.
 pub(crate) fn bytes_needed(mesh: MeshRef<'_>) -> u64 {
@@ -56,30 +56,39 @@ fn normalise_into(
     non_finite: NonFinite,
     frame: impl Fn([f64; 3], [f64; 3]) -> Frame,
 ) -> Result<Normalised, BuildError> {
+    match mesh.positions {
+        Positions::F32(positions) => normalise_positions(mesh, positions, non_finite, frame),
+        Positions::F64(positions) => normalise_positions(mesh, positions, non_finite, frame),
+    }
+}
+
+/// [`normalise`] of the mesh's positions in their own precision.
+fn normalise_positions<S: Copy + Sync + Into<f64>>(
+    mesh: MeshRef<'_>,
+    positions: &[[S; 3]],
+    non_finite: NonFinite,
+    frame: impl Fn([f64; 3], [f64; 3]) -> Frame,
+) -> Result<Normalised, BuildError> {
     check_counts(mesh)?;
-    let used = used_vertices(mesh, non_finite)?;
-    let in_use = mesh.positions.par_iter().zip(&used).filter(|(_, used)| used.load(Relaxed));
-    let empty = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    let bounds = in_use.fold(|| empty, |bounds, (&position, _)| join(bounds, (position, position)));
+    let used = used_vertices(mesh, positions, non_finite)?;
+    let in_use = positions.par_iter().zip(&used).filter(|(_, used)| used.load(Relaxed));
+    let empty = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let bounds = in_use.fold(|| empty, |bounds, (position, _)| join(bounds, (wide(position), wide(position))));
     let (lower, upper) = bounds.reduce(|| empty, join);
-    let frame = if lower[0] <= upper[0] {
-        frame(lower.map(f64::from), upper.map(f64::from))
-    } else {
-        frame([0.0; 3], [0.0; 3])
-    };
+    let frame = if lower[0] <= upper[0] { frame(lower, upper) } else { frame([0.0; 3], [0.0; 3]) };
 
     let step = frame.scale() / f64::from(LATTICE);
-    let mut vertices = vec![LEFT_OUT; mesh.positions.len()];
-    let place = |((vertex, position), used): ((&mut [f32; 3], &[f32; 3]), &AtomicBool)| {
+    let mut vertices = vec![LEFT_OUT; positions.len()];
+    let place = |((vertex, position), used): ((&mut [f32; 3], &[S; 3]), &AtomicBool)| {
         if !used.load(Relaxed) {
             return 0.0;
         }
-        let exact = position.map(f64::from);
+        let exact = wide(position);
         *vertex = frame.to_lattice(exact);
         let moved = |k: usize| (f64::from(vertex[k]) - (exact[k] - frame.anchor[k]) / step).abs() as f32;
         (0..3).map(moved).fold(0.0, f32::max)
     };
-    let rounding = vertices.par_iter_mut().zip(mesh.positions).zip(&used).map(place).reduce(|| 0.0, f32::max);
+    let rounding = vertices.par_iter_mut().zip(positions).zip(&used).map(place).reduce(|| 0.0, f32::max);
 
     let (dropped, collapsed) = (AtomicU32::new(0), AtomicU32::new(0));
     let triangle = |(primitive, indices): (usize, &[u32; 3])| {
@@ -106,14 +115,25 @@ fn is_listed(corners: &[[f32; 3]; 3]) -> bool {
     !has_equal_corners(corners) && !corners.contains(&LEFT_OUT)
 }
 
+/// A position in f64.
+fn wide<S: Copy + Into<f64>>(position: &[S; 3]) -> [f64; 3] {
+    position.map(Into::into)
+}
+
+/// Whether a build can take a vertex: its coordinates are numbers, and f32 reaches as far.
+fn is_sound<S: Copy + Into<f64>>(position: &[S; 3]) -> bool {
+    wide(position).iter().all(|c| c.abs() <= f64::from(f32::MAX))
+}
+
 /// Marks the vertices of all triangles that are not left out.
-fn used_vertices(mesh: MeshRef<'_>, non_finite: NonFinite) -> Result<Vec<AtomicBool>, BuildError> {
-    let used: Vec<AtomicBool> = mesh.positions.iter().map(|_| AtomicBool::new(false)).collect();
+fn used_vertices<S: Copy + Sync + Into<f64>>(
+    mesh: MeshRef<'_>,
+    positions: &[[S; 3]],
+    non_finite: NonFinite,
+) -> Result<Vec<AtomicBool>, BuildError> {
+    let used: Vec<AtomicBool> = positions.iter().map(|_| AtomicBool::new(false)).collect();
     let mark = |indices: &[u32; 3]| {
-        let is_sound = |&index: &u32| {
-            mesh.positions.get(index as usize).is_some_and(|position| position.iter().all(|c| c.is_finite()))
-        };
-        let are_sound = indices.iter().all(is_sound);
+        let are_sound = indices.iter().all(|&index| positions.get(index as usize).is_some_and(is_sound));
         if are_sound {
             indices.iter().for_each(|&index| used[index as usize].store(true, Relaxed));
         }
@@ -122,7 +142,7 @@ fn used_vertices(mesh: MeshRef<'_>, non_finite: NonFinite) -> Result<Vec<AtomicB
     // All triangles are looked at, whatever the first few give.
     let are_sound = mesh.triangles.par_iter().map(mark).reduce(|| true, |a, b| a & b);
     if !are_sound {
-        check_vertices(mesh, non_finite)?;
+        check_vertices(mesh, positions, non_finite)?;
     }
     Ok(used)
 }
@@ -140,13 +160,17 @@ fn check_counts(mesh: MeshRef<'_>) -> Result<(), BuildError> {
 }
 
 /// Finds the first triangle that no build takes.
-fn check_vertices(mesh: MeshRef<'_>, non_finite: NonFinite) -> Result<(), BuildError> {
-    let vertices = mesh.positions.len();
+fn check_vertices<S: Copy + Sync + Into<f64>>(
+    mesh: MeshRef<'_>,
+    positions: &[[S; 3]],
+    non_finite: NonFinite,
+) -> Result<(), BuildError> {
+    let vertices = positions.len();
     let fault = mesh.triangles.par_iter().enumerate().find_map_first(|(triangle, indices)| {
-        indices.iter().find_map(|&index| match mesh.positions.get(index as usize) {
+        indices.iter().find_map(|&index| match positions.get(index as usize) {
             None => Some(BuildError::IndexOutOfRange { triangle, index, vertices }),
-            Some(position) if non_finite == NonFinite::Refused && !position.iter().all(|c| c.is_finite()) => {
-                Some(BuildError::NonFiniteVertex { vertex: index, position: *position })
+            Some(position) if non_finite == NonFinite::Refused && !is_sound(position) => {
+                Some(BuildError::NonFiniteVertex { vertex: index, position: wide(position) })
             }
             Some(_) => None,
         })
@@ -154,11 +178,11 @@ fn check_vertices(mesh: MeshRef<'_>, non_finite: NonFinite) -> Result<(), BuildE
     fault.map_or(Ok(()), Err)
 }
 
-fn has_equal_corners([a, b, c]: &[[f32; 3]; 3]) -> bool {
+fn has_equal_corners<S: PartialEq>([a, b, c]: &[[S; 3]; 3]) -> bool {
     a == b || b == c || c == a
 }
 
-fn join(a: ([f32; 3], [f32; 3]), b: ([f32; 3], [f32; 3])) -> ([f32; 3], [f32; 3]) {
+fn join(a: ([f64; 3], [f64; 3]), b: ([f64; 3], [f64; 3])) -> ([f64; 3], [f64; 3]) {
     (core::array::from_fn(|k| a.0[k].min(b.0[k])), core::array::from_fn(|k| a.1[k].max(b.1[k])))
 }
 

@@ -15,7 +15,7 @@ use core::cell::RefCell;
 use core::marker::PhantomData;
 
 use leafwalk_core::triangle::Shear;
-use leafwalk_core::{Nearest, Ray};
+use leafwalk_core::{CanonicalRay, Nearest, Ray};
 
 use super::bvh::node::{boxes_hit, test_block};
 use super::bvh::stack::{END, Stack};
@@ -55,11 +55,12 @@ pub(crate) fn descend<L: Eight, B: BlockSource, Q: Query>(
     }
 }
 
+// A new stack would have to be filled for each ray.
+thread_local!(static STACK: RefCell<Stack> = const { RefCell::new(Stack::new()) });
+
 /// Answers a query for one ray, as a call of its own.
 #[inline]
 pub(crate) fn answer<B: BlockSource, Q: Query>(registers: Registers, bvh: &Bvh<'_, B>, ray: &Ray) -> Q::Answer {
-    // A new stack would have to be filled for each ray.
-    thread_local!(static STACK: RefCell<Stack> = const { RefCell::new(Stack::new()) });
     STACK.with_borrow_mut(|stack| registers.run(Single::<B, Q> { bvh, ray, stack, query: PhantomData }))
 }
 
@@ -79,5 +80,27 @@ impl<B: BlockSource, Q: Query> Kernel for Single<'_, B, Q> {
         let Some(ray) = self.bvh.frame.canonical(self.ray) else { return Q::MISS };
         let nearest = descend::<L, B, Q>(self.bvh, &Probe::new(&ray), self.stack);
         Q::answer(&ray.clock, &nearest)
+    }
+}
+
+/// [`descend`] for one ray that is canonical already, as a call of its own.
+pub(crate) fn nearest<B: BlockSource, Q: Query>(registers: Registers, bvh: &Bvh<'_, B>, ray: &CanonicalRay) -> Nearest {
+    STACK.with_borrow_mut(|stack| registers.run(Canonical::<B, Q> { bvh, ray, stack, query: PhantomData }))
+}
+
+/// One canonical ray as work for lanes.
+struct Canonical<'a, B, Q> {
+    bvh: &'a Bvh<'a, B>,
+    ray: &'a CanonicalRay,
+    stack: &'a mut Stack,
+    query: PhantomData<Q>,
+}
+
+impl<B: BlockSource, Q: Query> Kernel for Canonical<'_, B, Q> {
+    type Output = Nearest;
+
+    #[inline(always)]
+    fn run<L: Eight>(self) -> Nearest {
+        descend::<L, B, Q>(self.bvh, &Probe::new(self.ray), self.stack)
     }
 }

@@ -32,7 +32,7 @@ pub(crate) static ALL: LazyLock<Vec<Scene>> = LazyLock::new(|| {
     let mut all: Vec<_> = made.chain([chains]).collect();
     for (name, file) in [("bunny", "bunny.ply.gz"), ("dragon", "dragon.ply.gz"), ("conference", "conference.obj.gz")] {
         if let Some(path) = scenes::real(file, name) {
-            all.push(Scene::new(name, load_mesh(&path).expect("a readable scene").mesh));
+            all.push(Scene::new(name, load_mesh(&path).expect("a readable scene").mesh.into_f32()));
         }
     }
     all

@@ -2,15 +2,15 @@
 
 use std::io::BufRead;
 
-use leafwalk::Ray;
+use leafwalk::RayF64;
 
-use super::{COLUMN_COUNTS, COLUMNS, RaysError, blank, set};
+use super::{COLUMN_COUNTS, COLUMNS, RaysError, Row};
 
 /// How much of a field is quoted in an error.
 const QUOTED_CHARACTERS: usize = 40;
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-pub(super) fn read(mut reader: impl BufRead) -> Result<Vec<Ray>, RaysError> {
+pub(super) fn read(mut reader: impl BufRead) -> Result<Vec<RayF64>, RaysError> {
     let mut rays = Vec::new();
     let mut columns = None;
     let mut bytes = Vec::new();
@@ -48,18 +48,18 @@ fn unquoted(field: &str) -> &str {
     field.strip_prefix('"').and_then(|field| field.strip_suffix('"')).unwrap_or(field)
 }
 
-fn ray<'a>(fields: impl Iterator<Item = &'a str>, line: u64) -> Result<Ray, RaysError> {
-    let mut ray = blank();
+fn ray<'a>(fields: impl Iterator<Item = &'a str>, line: u64) -> Result<RayF64, RaysError> {
+    let mut ray = RayF64::BLANK;
     for (column, field) in fields.enumerate() {
         let value = number(field);
         let value = value.ok_or_else(|| RaysError::Number { line, column: column + 1, found: quoted(field) })?;
-        set(&mut ray, column, value);
+        ray.set(column, value);
     }
     Ok(ray)
 }
 
 /// NaN is a number here: it makes an invalid ray.
-fn number(field: &str) -> Option<f32> {
+fn number(field: &str) -> Option<f64> {
     field.parse().ok()
 }
 

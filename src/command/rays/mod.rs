@@ -7,7 +7,7 @@ mod npy;
 use std::fs::File;
 use std::io::BufReader;
 
-use leafwalk::Ray;
+use leafwalk::{Ray, RayF64};
 
 pub(crate) use error::RaysError;
 
@@ -19,13 +19,57 @@ const COLUMNS: [&str; 8] = ["ox", "oy", "oz", "dx", "dy", "dz", "t_min", "t_max"
 /// How many columns a file may have.
 const COLUMN_COUNTS: core::ops::RangeInclusive<usize> = 6..=COLUMNS.len();
 
-/// Reads all rays of a file. Numbers are rounded to f32; rays that cannot be traced are rays all the same.
-pub(crate) fn read(file: &TableFile) -> Result<Vec<Ray>, CommandError> {
+/// The rays of a file, in its precision.
+pub(crate) enum Rays {
+    /// Of npy files with items f4.
+    F32(Vec<Ray>),
+    /// Of npy files with items f8, and of all CSV files.
+    F64(Vec<RayF64>),
+}
+
+impl Rays {
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::F32(rays) => rays.len(),
+            Self::F64(rays) => rays.len(),
+        }
+    }
+
+    pub(crate) fn into_f32(self) -> Vec<Ray> {
+        match self {
+            Self::F32(rays) => rays,
+            Self::F64(rays) => rays.into_iter().map(rounded).collect(),
+        }
+    }
+
+    pub(crate) fn into_f64(self) -> Vec<RayF64> {
+        match self {
+            Self::F32(rays) => rays.into_iter().map(RayF64::from).collect(),
+            Self::F64(rays) => rays,
+        }
+    }
+
+    /// How many cannot be traced.
+    pub(crate) fn invalid(&self) -> usize {
+        match self {
+            Self::F32(rays) => rays.iter().filter(|ray| !ray.is_valid()).count(),
+            Self::F64(rays) => rays.iter().filter(|ray| !ray.is_valid()).count(),
+        }
+    }
+}
+
+fn rounded(ray: RayF64) -> Ray {
+    let RayF64 { origin, t_min, direction, t_max } = ray;
+    Ray::between(origin.map(|c| c as f32), direction.map(|c| c as f32), t_min as f32, t_max as f32)
+}
+
+/// Reads all rays of a file. Rays that cannot be traced are rays all the same.
+pub(crate) fn read(file: &TableFile) -> Result<Rays, CommandError> {
     let read = || {
         let reader = BufReader::with_capacity(BUFFER_BYTES, File::open(&file.path)?);
         match file.format {
             TableFormat::Npy => npy::read(reader),
-            TableFormat::Csv => csv::read(reader),
+            TableFormat::Csv => csv::read(reader).map(Rays::F64),
         }
     };
     read().map_err(|source| CommandError::Rays { path: file.path.clone(), source })
@@ -33,17 +77,31 @@ pub(crate) fn read(file: &TableFile) -> Result<Vec<Ray>, CommandError> {
 
 const BUFFER_BYTES: usize = 1 << 20;
 
-/// The ray of a row of which no column is known yet.
-fn blank() -> Ray {
-    Ray::new([0.0; 3], [0.0; 3])
+/// A ray as the rows of a file give it.
+trait Row {
+    type Number;
+    /// No column is known yet.
+    const BLANK: Self;
+    /// Fills in one column.
+    fn set(&mut self, column: usize, value: Self::Number);
 }
 
-/// Fills in one column.
-fn set(ray: &mut Ray, column: usize, value: f32) {
-    match column {
-        0..3 => ray.origin[column] = value,
-        3..6 => ray.direction[column - 3] = value,
-        6 => ray.t_min = value,
-        _ => ray.t_max = value,
-    }
+macro_rules! row {
+    ($ray:ident of $number:ident) => {
+        impl Row for $ray {
+            type Number = $number;
+            const BLANK: Self = Self { origin: [0.0; 3], t_min: 0.0, direction: [0.0; 3], t_max: $number::INFINITY };
+
+            fn set(&mut self, column: usize, value: $number) {
+                match column {
+                    0..3 => self.origin[column] = value,
+                    3..6 => self.direction[column - 3] = value,
+                    6 => self.t_min = value,
+                    _ => self.t_max = value,
+                }
+            }
+        }
+    };
 }
+row!(Ray of f32);
+row!(RayF64 of f64);

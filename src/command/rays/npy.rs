@@ -2,10 +2,9 @@
 
 use std::io::{self, ErrorKind, Read};
 
-use leafwalk::Ray;
 use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar};
 
-use super::{COLUMN_COUNTS, RaysError, blank, set};
+use super::{COLUMN_COUNTS, Rays, RaysError, Row};
 
 /// Bytes of the header: numpy's own limit.
 const HEADER_BYTES: usize = 10_000;
@@ -14,7 +13,7 @@ const HEADER_BRACKETS: usize = 8;
 /// Decimal digits in the header: the sizes' product is below 10^19, so that no product of them overflows 64 bits.
 const HEADER_DIGITS: usize = 19;
 
-pub(super) fn read(mut reader: impl Read) -> Result<Vec<Ray>, RaysError> {
+pub(super) fn read(mut reader: impl Read) -> Result<Rays, RaysError> {
     let header = read_header(&mut reader)?;
     let &[rows, columns] = header.shape() else { return Err(RaysError::Shape { found: header.shape().to_vec() }) };
     if !usize::try_from(columns).is_ok_and(|columns| COLUMN_COUNTS.contains(&columns)) {
@@ -29,10 +28,8 @@ pub(super) fn read(mut reader: impl Read) -> Result<Vec<Ray>, RaysError> {
     let file = NpyFile::with_header(header, &mut reader);
     let wrong_type = |_| RaysError::ItemType { found: found.clone() };
     let rays = match item {
-        (TypeChar::Float, 4) => table.fill(file.data::<f32>().map_err(wrong_type)?),
-        (TypeChar::Float, 8) => {
-            table.fill(file.data::<f64>().map_err(wrong_type)?.map(|item| item.map(|item| item as f32)))
-        }
+        (TypeChar::Float, 4) => table.fill(file.data::<f32>().map_err(wrong_type)?).map(Rays::F32),
+        (TypeChar::Float, 8) => table.fill(file.data::<f64>().map_err(wrong_type)?).map(Rays::F64),
         _ => Err(RaysError::ItemType { found }),
     }?;
     match reader.read(&mut [0])? {
@@ -49,7 +46,7 @@ struct Table {
 
 impl Table {
     /// Takes the items in the order of the file. Memory grows with items that are there, not with promised ones.
-    fn fill(&self, mut items: impl Iterator<Item = io::Result<f32>>) -> Result<Vec<Ray>, RaysError> {
+    fn fill<R: Row>(&self, mut items: impl Iterator<Item = io::Result<R::Number>>) -> Result<Vec<R>, RaysError> {
         let (outer, inner) = match self.order {
             Order::C => (self.rows, self.columns),
             Order::Fortran => (self.columns, self.rows),
@@ -68,9 +65,9 @@ impl Table {
                     Order::Fortran => (j as usize, i as usize),
                 };
                 if row == rays.len() {
-                    rays.push(blank());
+                    rays.push(R::BLANK);
                 }
-                set(&mut rays[row], column, item);
+                rays[row].set(column, item);
             }
         }
         Ok(rays)
