@@ -2,14 +2,16 @@
 //!
 //! `cargo bench --bench truth [--features embree,tinybvh] [-- SCENE ...]` judges P, S, D and R of real scenes, found by
 //! LEAFWALK_SCENES; without it, of a scene made in code. With `--wide` it judges scenes whose extent is far larger than
-//! what is looked at.
+//! what is looked at, and scenes in UTM coordinates.
 
 use clap::Parser;
-use leafwalk::{Builder, Mesh, Octree, Ray};
+use leafwalk::mesh_file::AnyMesh;
+use leafwalk::{Builder, CpuTracer, HitF64, Mesh, Octree, Ray, RayF64};
 use leafwalk_rivals::{Answer, Rival, ours};
 use leafwalk_testing::random::Random;
 use leafwalk_testing::scenes::{REAL, real};
 use leafwalk_testing::truth::{Counts, Hit, Oracle, Verdict, per_million};
+use leafwalk_testing::utm::{self, Utm};
 use leafwalk_testing::wide::{self, Wide};
 use leafwalk_testing::{meshes, workloads};
 
@@ -24,7 +26,7 @@ struct Arguments {
     /// Primary rays are this many squared; a multiple of 8.
     #[arg(long, default_value_t = 1024)]
     side: u32,
-    /// Judges the wide scenes.
+    /// Judges the wide scenes, and those in UTM coordinates.
     #[arg(long)]
     wide: bool,
     /// Rays of each wide scene.
@@ -106,19 +108,61 @@ fn judge_wide(arguments: &Arguments) {
             println!("{name:>42} {:>24} {} {error:>9.1e} {relative:>9.1e}", rival.name(), row(&counts));
         }
     }
+    for scene in utm::all().iter().filter(|scene| arguments.wants_scene(&scene.name)) {
+        judge_utm(scene, arguments);
+    }
 }
 
-/// Judges closest hits. On the right surface, they are off by so much at most, in length and as a share of t.
+/// Ours in f64, and all tracers in f32, judged by what the scene is in f64.
+fn judge_utm(scene: &Utm, arguments: &Arguments) {
+    let Utm { name, mesh, .. } = scene;
+    let oracle = Oracle::new(mesh);
+    let rays: Vec<RayF64> = (0..arguments.wide_rays).map(|index| scene.ray(&mut Random::new(91, index))).collect();
+    let truths = oracle.closest_hits(&rays);
+    let print = |tracer: &str, answers: &mut dyn Iterator<Item = (f64, u32)>| {
+        let (counts, [error, relative]) = judge(&oracle, &rays, &truths, answers);
+        println!("{name:>42} {tracer:>24} {} {error:>9.1e} {relative:>9.1e}", row(&counts));
+    };
+    let tracer = CpuTracer::new(Builder::new().build(mesh).expect("a mesh that builds"));
+    let mut hits = vec![HitF64::MISS; rays.len()];
+    tracer.closest_hits_f64(&rays, &mut hits).expect("equal lengths");
+    print("leafwalk f64", &mut hits.iter().map(|hit| (hit.t, hit.primitive)));
+
+    let rounded = AnyMesh::F64(mesh.clone()).into_f32();
+    let octree = Builder::new().build(&rounded).expect("a mesh that builds");
+    let rays: Vec<Ray> = rays.iter().map(|ray| Ray::from(*ray)).collect();
+    for rival in arguments.tracers(&octree, &rounded) {
+        let mut prepared = rival.closest(&rays);
+        prepared.trace();
+        let answers = prepared.answers().into_iter().map(|Answer { t, primitive }| (f64::from(t), primitive));
+        print(rival.name(), &mut answers.into_iter());
+    }
+}
+
+/// Judges closest hits; see [`judge`].
 fn closest(oracle: &Oracle, rival: &dyn Rival, rays: &[Ray], truths: &[Option<Hit>]) -> (Counts, [f64; 2]) {
     let mut prepared = rival.closest(rays);
     prepared.trace();
+    let answers = prepared.answers().into_iter().map(|Answer { t, primitive }| (f64::from(t), primitive));
+    judge(oracle, rays, truths, answers)
+}
+
+/// Judges closest hits, each a t and a primitive. On the right surface, they are off by so much at most, in length and as a
+/// share of t.
+fn judge<R: Copy + Into<RayF64>>(
+    oracle: &Oracle,
+    rays: &[R],
+    truths: &[Option<Hit>],
+    answers: impl Iterator<Item = (f64, u32)>,
+) -> (Counts, [f64; 2]) {
     let (mut counts, mut errors) = (Counts::default(), [0f64; 2]);
-    for ((ray, truth), Answer { t, primitive }) in rays.iter().zip(truths).zip(prepared.answers()) {
+    for ((ray, truth), (t, primitive)) in rays.iter().zip(truths).zip(answers) {
         let verdict = oracle.judge(ray, truth.as_ref(), t, primitive);
         counts.add(verdict);
         if let (Verdict::Right | Verdict::Neighbour | Verdict::Off, Some(hit)) = (verdict, truth) {
-            let length = ray.direction.iter().map(|c| f64::from(*c).powi(2)).sum::<f64>().sqrt();
-            let off = (f64::from(t) - hit.t).abs();
+            let ray: RayF64 = (*ray).into();
+            let length = ray.direction.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let off = (t - hit.t).abs();
             errors = [errors[0].max(off * length), errors[1].max(off / hit.t.abs())];
         }
     }

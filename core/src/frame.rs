@@ -29,16 +29,22 @@ impl Frame {
     /// The smallest frame that keeps the box `lower..=upper` (finite, in the caller's units) inside the root by the mesh
     /// margin of 2^-17 of its edge on every side.
     pub fn around(lower: [f64; 3], upper: [f64; 3]) -> Self {
-        Self::around_with_margin(lower, upper, MESH_MARGIN)
+        Self::focused([lower, upper], [lower, upper])
+    }
+
+    /// As [`Frame::around`] a box, lower corner first, with the anchor that a box inside it would have: meshes that must be
+    /// rounded are rounded least there.
+    pub fn focused(bounds: [[f64; 3]; 2], focus: [[f64; 3]; 2]) -> Self {
+        Self::focused_with_margin(bounds, focus, MESH_MARGIN)
     }
 
     /// See [`crate::testing::frame_touching`].
-    pub(crate) fn around_with_margin(lower: [f64; 3], upper: [f64; 3], margin: f32) -> Self {
+    pub(crate) fn focused_with_margin([lower, upper]: [[f64; 3]; 2], focus: [[f64; 3]; 2], margin: f32) -> Self {
         let extent = (0..3).map(|k| upper[k] - lower[k]).fold(0.0, f64::max);
         let mut scale_exponent = if extent > 0.0 { exponent(extent) } else { 0 };
         scale_exponent = scale_exponent.max(*Self::SCALE_EXPONENTS.start());
-        let mut frame =
-            Self { anchor: core::array::from_fn(|k| anchor(lower[k], upper[k])), corner: [0.0; 3], scale_exponent };
+        let anchor = core::array::from_fn(|k| anchor(focus[0][k], focus[1][k]));
+        let mut frame = Self { anchor, corner: [0.0; 3], scale_exponent };
         loop {
             let (low, high) = (frame.to_lattice(lower), frame.to_lattice(upper));
             frame.corner = core::array::from_fn(|k| {
@@ -200,6 +206,31 @@ mod tests {
                 }
                 assert!(frame.corner.iter().all(|c| c.abs() <= 2.0 * EDGE && *c as i32 as f32 == *c));
             }
+        }
+    }
+
+    /// Wherever the focus is: all stays in the root, and the root near the anchor.
+    #[test]
+    fn focused_frames_hold_the_whole_box() {
+        let points: [f64; 12] = [-3e6, -2.0, 0.0, 1.0, 1.000_000_1, 1.4, 1.9, 2.1, 2.9, 4.5e6, 4.500_001e6, 9e6];
+        let count = points.len();
+        let ends = (0..count).flat_map(|low| (low..count).map(move |high| (low, high)));
+        let nested =
+            ends.flat_map(|(low, high)| (low..=high).flat_map(move |a| (a..=high).map(move |b| [low, a, b, high])));
+        for [lower, a, b, upper] in nested.map(|at| at.map(|i| points[i])) {
+            let focus = [a, b];
+            let frame = Frame::focused([[lower; 3], [upper; 3]], focus.map(|c| [c; 3]));
+            for point in [lower, upper, focus[0], focus[1]] {
+                let lattice = frame.to_lattice([point; 3]);
+                assert!(lattice[0].abs() <= 2.0 * EDGE, "{lower} to {upper}, {focus:?}: {frame:?}");
+                let seen = frame.to_root(lattice)[0];
+                assert!((MESH_MARGIN..=EDGE - MESH_MARGIN).contains(&seen), "{lower} to {upper}, {focus:?}");
+                let off = (frame.to_caller(lattice)[0] - point).abs();
+                // Beside u of the distance from the anchor, a difference and a sum are rounded in f64.
+                let away = (point - frame.anchor[0]).abs();
+                assert!(off <= away * power_of_two(-24) + point.abs() * power_of_two(-52), "{point} of {frame:?}");
+            }
+            assert!(frame.corner[0].abs() <= 2.0 * EDGE);
         }
     }
 }

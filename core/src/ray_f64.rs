@@ -60,6 +60,14 @@ impl From<Ray> for RayF64 {
     }
 }
 
+impl From<RayF64> for Ray {
+    /// Each number is rounded to f32.
+    fn from(ray: RayF64) -> Self {
+        let RayF64 { origin, t_min, direction, t_max } = ray;
+        Self::between(origin.map(|c| c as f32), direction.map(|c| c as f32), t_min as f32, t_max as f32)
+    }
+}
+
 /// A [`Hit`] whose distance is not rounded to f32; or [`HitF64::MISS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

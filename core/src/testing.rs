@@ -35,7 +35,7 @@ pub fn spawn_lifted(hit: &Hit, corners: &[[f32; 3]; 3], direction: [f32; 3], lif
     hit.spawn_lifted(corners, direction, lift)
 }
 
-/// [`Frame::around`] without the margin that the contract demands: the mesh may touch the root's faces.
-pub fn frame_touching(lower: [f64; 3], upper: [f64; 3]) -> Frame {
-    Frame::around_with_margin(lower, upper, 0.0)
+/// [`Frame::focused`] without the margin that the contract demands: the mesh may touch the root's faces.
+pub fn frame_touching(bounds: [[f64; 3]; 2], focus: [[f64; 3]; 2]) -> Frame {
+    Frame::focused_with_margin(bounds, focus, 0.0)
 }

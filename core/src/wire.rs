@@ -34,7 +34,7 @@ pub struct Header {
     pub scale_exponent: i32,
     /// The padding that the triangles were binned with, in lattice steps.
     pub padding: f32,
-    /// The largest move of a vertex coordinate by rounding, in lattice steps: 0 for meshes of f32.
+    /// The largest move of a vertex coordinate, in lattice steps: under 2^-60 for meshes of f32, which are not rounded.
     pub rounding: f32,
     /// Setting: cost of a step over the cost of a triangle.
     pub step_cost: f32,

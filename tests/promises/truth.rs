@@ -1,15 +1,17 @@
 //! P8: answers are the truth on the caller's own mesh, but for what the contract grants to rounding; and that is a share
 //! of how far away the triangle is, not of the scene's size.
 
+use core::fmt::Debug;
 use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use leafwalk::{Builder, CpuTracer, Hit, Mesh, Octree, Ray};
+use leafwalk::{Builder, CpuTracer, Hit, HitF64, Mesh, Octree, Ray, RayF64};
 use leafwalk_core::contract::SMALLEST_SHEARED;
 use leafwalk_core::layout::LATTICE;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::tally::{Tally, scaled, tally};
 use leafwalk_testing::tracers::Any;
-use leafwalk_testing::truth::{Excess, Oracle, Verdict};
+use leafwalk_testing::truth::{Distance, Excess, Oracle, Slack, Verdict};
+use leafwalk_testing::utm::{self, Utm};
 use leafwalk_testing::{meshes, rays, wide, workloads};
 
 use crate::same_answer::Source;
@@ -26,6 +28,22 @@ pub(crate) struct Report {
 }
 
 impl Report {
+    /// Takes note of an answer, as if nothing had been rounded, and says how far it is from the truth.
+    fn judge<R, T>(&self, oracle: &Oracle, ray: &R, answer: Option<(T, u32)>, slack: &Slack) -> Excess
+    where
+        R: Copy + Into<RayF64>,
+        T: Distance,
+    {
+        let excess = oracle.excess(ray, answer, &Slack { anchor: None, ..*slack });
+        self.lateral.fetch_max((1000.0 * excess.lateral) as u64, Relaxed);
+        self.depth.fetch_max((1000.0 * excess.depth) as u64, Relaxed);
+        let (t, primitive) = answer.map_or((f64::INFINITY, u32::MAX), |(t, primitive)| (t.into(), primitive));
+        let verdict = oracle.judge(ray, oracle.closest(ray).as_ref(), t, primitive);
+        let is_misjudged = !matches!(verdict, Verdict::Right | Verdict::Neighbour | Verdict::Off);
+        self.misjudged.fetch_add(u64::from(is_misjudged), Relaxed);
+        if slack.anchor.is_some() { oracle.excess(ray, answer, slack) } else { excess }
+    }
+
     fn line(&self) -> String {
         let [lateral, depth] = [&self.lateral, &self.depth].map(|ratio| ratio.load(Relaxed) as f64 / 1000.0);
         format!("{} misjudged; {lateral} of e2, {depth} of t's bound at worst", self.misjudged.load(Relaxed))
@@ -33,38 +51,47 @@ impl Report {
 }
 
 /// What any length in a frame may be off by: sheared coordinates below a number are taken for 0.
-fn least_error<W: AsRef<[u32]>>(octree: &Octree<W>) -> f64 {
-    f64::from(SMALLEST_SHEARED) / f64::from(LATTICE) * octree.frame().scale()
+fn slack<W: AsRef<[u32]>>(octree: &Octree<W>) -> Slack {
+    Slack { least: f64::from(SMALLEST_SHEARED) / f64::from(LATTICE) * octree.frame().scale(), anchor: None }
 }
 
 /// Rays whose answers are further from the truth than granted.
 pub(crate) fn faults(
     tracer: Any<'_>,
     oracle: &Oracle,
-    least: f64,
+    slack: Slack,
     source: Source<'_>,
+    count: u64,
+    seed: u64,
+) -> (Tally, Report) {
+    let trace = |rays: &[Ray]| {
+        let mut hits = vec![Hit::MISS; rays.len()];
+        tracer.closest_hits(rays, &mut hits).expect("equal lengths");
+        hits.into_iter().map(|hit| hit.ok().map(|hit| (hit.t, hit.primitive))).collect()
+    };
+    faults_of(trace, oracle, slack, source, count, seed)
+}
+
+/// As [`faults`], of what traces many rays.
+fn faults_of<R: Copy + Debug + Into<RayF64>, T: Debug + Distance>(
+    trace: impl Fn(&[R]) -> Vec<Option<(T, u32)>> + Sync,
+    oracle: &Oracle,
+    slack: Slack,
+    source: &(dyn Fn(&mut Random) -> R + Sync),
     count: u64,
     seed: u64,
 ) -> (Tally, Report) {
     let report = Report::default();
     let tally = tally(count, |indices, tally| {
-        let rays: Vec<Ray> = indices.clone().map(|index| source(&mut Random::new(seed, index))).collect();
-        let mut hits = vec![Hit::MISS; rays.len()];
-        tracer.closest_hits(&rays, &mut hits).expect("equal lengths");
-        for ((index, ray), hit) in indices.zip(&rays).zip(&hits) {
-            tally.hit(!hit.is_miss());
-            let Excess { lateral, depth } = oracle.excess(ray, hit.ok().map(|hit| (hit.t, hit.primitive)), least);
-            report.lateral.fetch_max((1000.0 * lateral) as u64, Relaxed);
-            report.depth.fetch_max((1000.0 * depth) as u64, Relaxed);
-            let truth = oracle.closest(ray);
-            let verdict = oracle.judge(ray, truth.as_ref(), hit.t, hit.primitive);
-            let is_misjudged = !matches!(verdict, Verdict::Right | Verdict::Neighbour | Verdict::Off);
-            report.misjudged.fetch_add(u64::from(is_misjudged), Relaxed);
-            if lateral.max(depth) > 1.0 {
+        let rays: Vec<R> = indices.clone().map(|index| source(&mut Random::new(seed, index))).collect();
+        for ((index, ray), answer) in indices.zip(&rays).zip(trace(&rays)) {
+            tally.hit(answer.is_some());
+            let excess = report.judge(oracle, ray, answer, &slack);
+            if excess.is_fault() {
                 tally.fault(index, || {
-                    let ray = rays::hex(ray);
+                    let Excess { lateral, depth } = excess;
                     let place = format!("seed {seed}, ray {index}: {lateral} of e2, {depth} of t's bound");
-                    format!("{place}: {hit:?}, in truth {truth:?}\n{ray}")
+                    format!("{place}: {answer:?}, in truth {:?}\n{ray:?}", oracle.closest(ray))
                 });
             }
         }
@@ -74,7 +101,7 @@ pub(crate) fn faults(
 
 fn check(name: &str, octree: &Octree<Vec<u32>>, oracle: &Oracle, source: Source<'_>, count: u64, least_hits: f64) {
     let tracer = CpuTracer::new(octree.view());
-    let (tally, report) = faults(&tracer, oracle, least_error(octree), source, scaled(count), 91);
+    let (tally, report) = faults(&tracer, oracle, slack(octree), source, scaled(count), 91);
     let name = format!("truth, {name}");
     println!("{name}: {}", report.line());
     tally.passes(&name, least_hits);
@@ -125,5 +152,29 @@ fn rays_of_wide_scenes_hit_the_truth() {
     for scene in wide::all() {
         let source = |random: &mut Random| scene.ray(random);
         check(&scene.name, &build(&scene.mesh), &Oracle::new(&scene.mesh), &source, 4000, 0.01);
+    }
+}
+
+/// Rays at a scene in UTM coordinates whose answers are further from the truth than granted, where this mesh is traced for
+/// it. Vertices and rays are rounded once, after the anchor was subtracted; the truth is of f64.
+pub(crate) fn utm_faults(scene: &Utm, traced: &Mesh<f64>) -> (Tally, Report) {
+    let octree = Builder::new().build(traced).expect("a mesh that builds");
+    let tracer = CpuTracer::new(octree.view());
+    let trace = |rays: &[RayF64]| {
+        let mut hits = vec![HitF64::MISS; rays.len()];
+        tracer.closest_hits_f64(rays, &mut hits).expect("equal lengths");
+        hits.into_iter().map(|hit| hit.ok().map(|hit| (hit.t, hit.primitive))).collect()
+    };
+    let slack = Slack { anchor: Some(octree.frame().anchor), ..slack(&octree) };
+    let source = |random: &mut Random| scene.ray(random);
+    faults_of(trace, &Oracle::new(&scene.mesh), slack, &source, scaled(10_000), 97)
+}
+
+#[test]
+fn rays_of_utm_scenes_hit_the_truth() {
+    for scene in utm::all() {
+        let (tally, report) = utm_faults(&scene, &scene.mesh);
+        println!("truth, {}: {}", scene.name, report.line());
+        tally.passes(&format!("truth, {}", scene.name), 0.2);
     }
 }

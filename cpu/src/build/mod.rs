@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! normalise   vertices into lattice coordinates, triangles without extent left out
+//!             focus    for meshes that must be rounded: where most of their vertices are
 //! tree        split cells while that pays, and balance the octree
 //! assemble    link     number the nodes, link each leaf to its neighbours, make the entry grid
 //!             leaf     group what each leaf lists into blocks of eight, with their boxes
@@ -16,6 +17,7 @@ mod bvh;
 mod clip;
 mod compact;
 mod error;
+mod focus;
 mod leaf;
 mod link;
 mod monitor;

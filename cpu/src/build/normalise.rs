@@ -3,17 +3,23 @@
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
 use leafwalk_core::Frame;
+use leafwalk_core::contract::SMALLEST;
 use leafwalk_core::layout::{LATTICE, Triangle};
 use leafwalk_core::testing::frame_touching;
 use rayon::prelude::*;
 
 use super::error::BuildError;
+use super::focus::focus;
 use crate::mesh::{MeshRef, Positions};
 
 /// Bytes that the normalised mesh takes, and what it is made from.
 pub(crate) fn bytes_needed(mesh: MeshRef<'_>) -> u64 {
     let triangle = size_of::<Triangle>();
-    let vertex = size_of::<[f32; 3]>() + size_of::<AtomicBool>();
+    let sorted = match mesh.positions {
+        Positions::F32(_) => 0,
+        Positions::F64(_) => size_of::<f64>(),
+    };
+    let vertex = size_of::<[f32; 3]>() + size_of::<AtomicBool>() + sorted;
     mesh.triangles.len() as u64 * triangle as u64 + mesh.positions.len() as u64 * vertex as u64
 }
 
@@ -48,13 +54,13 @@ pub(crate) fn normalise_touching(mesh: MeshRef<'_>) -> Result<Normalised, BuildE
 }
 
 pub(crate) fn normalise_with(mesh: MeshRef<'_>, non_finite: NonFinite) -> Result<Normalised, BuildError> {
-    normalise_into(mesh, non_finite, Frame::around)
+    normalise_into(mesh, non_finite, Frame::focused)
 }
 
 fn normalise_into(
     mesh: MeshRef<'_>,
     non_finite: NonFinite,
-    frame: impl Fn([f64; 3], [f64; 3]) -> Frame,
+    frame: impl Fn([[f64; 3]; 2], [[f64; 3]; 2]) -> Frame,
 ) -> Result<Normalised, BuildError> {
     match mesh.positions {
         Positions::F32(positions) => normalise_positions(mesh, positions, non_finite, frame),
@@ -67,28 +73,23 @@ fn normalise_positions<S: Copy + Sync + Into<f64>>(
     mesh: MeshRef<'_>,
     positions: &[[S; 3]],
     non_finite: NonFinite,
-    frame: impl Fn([f64; 3], [f64; 3]) -> Frame,
+    make_frame: impl Fn([[f64; 3]; 2], [[f64; 3]; 2]) -> Frame,
 ) -> Result<Normalised, BuildError> {
     check_counts(mesh)?;
     let used = used_vertices(mesh, positions, non_finite)?;
     let in_use = positions.par_iter().zip(&used).filter(|(_, used)| used.load(Relaxed));
-    let empty = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    let bounds = in_use.fold(|| empty, |bounds, (position, _)| join(bounds, (wide(position), wide(position))));
-    let (lower, upper) = bounds.reduce(|| empty, join);
-    let frame = if lower[0] <= upper[0] { frame(lower, upper) } else { frame([0.0; 3], [0.0; 3]) };
-
-    let step = frame.scale() / f64::from(LATTICE);
+    let empty = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    let bounds = in_use.fold(|| empty, |bounds, (position, _)| join(bounds, [wide(position); 2]));
+    let bounds = bounds.reduce(|| empty, join);
+    let bounds = if bounds[0][0] <= bounds[1][0] { bounds } else { [[0.0; 3]; 2] };
     let mut vertices = vec![LEFT_OUT; positions.len()];
-    let place = |((vertex, position), used): ((&mut [f32; 3], &[S; 3]), &AtomicBool)| {
-        if !used.load(Relaxed) {
-            return 0.0;
-        }
-        let exact = wide(position);
-        *vertex = frame.to_lattice(exact);
-        let moved = |k: usize| (f64::from(vertex[k]) - (exact[k] - frame.anchor[k]) / step).abs() as f32;
-        (0..3).map(moved).fold(0.0, f32::max)
-    };
-    let rounding = vertices.par_iter_mut().zip(positions).zip(&used).map(place).reduce(|| 0.0, f32::max);
+    let mut place = |frame: Frame| (frame, place(positions, &used, &frame, &mut vertices));
+    let (mut frame, mut rounding) = place(make_frame(bounds, bounds));
+    // Numbers under the smallest become the anchor, which rounds no vertex of f32.
+    if rounding >= SMALLEST {
+        let in_use = positions.iter().zip(&used).filter(|(_, used)| used.load(Relaxed));
+        (frame, rounding) = place(make_frame(bounds, focus(in_use.map(|(position, _)| wide(position)))));
+    }
 
     let (dropped, collapsed) = (AtomicU32::new(0), AtomicU32::new(0));
     let triangle = |(primitive, indices): (usize, &[u32; 3])| {
@@ -106,6 +107,26 @@ fn normalise_positions<S: Copy + Sync + Into<f64>>(
         triangles.retain(|triangle| is_listed(&triangle.corners));
     }
     Ok(Normalised { frame, triangles, dropped, collapsed, rounding })
+}
+
+/// Puts the vertices that are in use on the lattice. Returns the largest move of a coordinate by rounding, in steps.
+fn place<S: Copy + Sync + Into<f64>>(
+    positions: &[[S; 3]],
+    used: &[AtomicBool],
+    frame: &Frame,
+    vertices: &mut [[f32; 3]],
+) -> f32 {
+    let step = frame.scale() / f64::from(LATTICE);
+    let place = |((vertex, position), used): ((&mut [f32; 3], &[S; 3]), &AtomicBool)| {
+        if !used.load(Relaxed) {
+            return 0.0;
+        }
+        let exact = wide(position);
+        *vertex = frame.to_lattice(exact);
+        let moved = |k: usize| (f64::from(vertex[k]) - (exact[k] - frame.anchor[k]) / step).abs() as f32;
+        (0..3).map(moved).fold(0.0, f32::max)
+    };
+    vertices.par_iter_mut().zip(positions).zip(used).map(place).reduce(|| 0.0, f32::max)
 }
 
 /// Stands for vertices of no triangle, or of left-out triangles alone: nothing inside the root.
@@ -182,8 +203,8 @@ fn has_equal_corners<S: PartialEq>([a, b, c]: &[[S; 3]; 3]) -> bool {
     a == b || b == c || c == a
 }
 
-fn join(a: ([f64; 3], [f64; 3]), b: ([f64; 3], [f64; 3])) -> ([f64; 3], [f64; 3]) {
-    (core::array::from_fn(|k| a.0[k].min(b.0[k])), core::array::from_fn(|k| a.1[k].max(b.1[k])))
+fn join(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
+    [core::array::from_fn(|k| a[0][k].min(b[0][k])), core::array::from_fn(|k| a[1][k].max(b[1][k]))]
 }
 
 /// Whether three corners lie on a line, in exact arithmetic but for needles that f64 cannot tell from one.

@@ -38,7 +38,7 @@ impl Rays {
     pub(crate) fn into_f32(self) -> Vec<Ray> {
         match self {
             Self::F32(rays) => rays,
-            Self::F64(rays) => rays.into_iter().map(rounded).collect(),
+            Self::F64(rays) => rays.into_iter().map(Ray::from).collect(),
         }
     }
 
@@ -56,11 +56,6 @@ impl Rays {
             Self::F64(rays) => rays.iter().filter(|ray| !ray.is_valid()).count(),
         }
     }
-}
-
-fn rounded(ray: RayF64) -> Ray {
-    let RayF64 { origin, t_min, direction, t_max } = ray;
-    Ray::between(origin.map(|c| c as f32), direction.map(|c| c as f32), t_min as f32, t_max as f32)
 }
 
 /// Reads all rays of a file. Rays that cannot be traced are rays all the same.

@@ -3,7 +3,7 @@
 use core::cmp::Ordering;
 
 use glam::{DVec3, Vec3Swizzles};
-use leafwalk_core::Ray;
+use leafwalk_core::RayF64;
 
 use super::exact::Exact;
 
@@ -37,13 +37,10 @@ pub(super) struct Crossing {
 
 impl Line {
     /// The line of a ray, or `None` where the ray is invalid.
-    pub(super) fn of(ray: &Ray) -> Option<Self> {
-        ray.is_valid().then(|| Self {
-            origin: DVec3::from_array(ray.origin.map(f64::from)),
-            direction: DVec3::from_array(ray.direction.map(f64::from)),
-            from: f64::from(ray.t_min),
-            to: f64::from(ray.t_max),
-        })
+    pub(super) fn of(ray: &RayF64) -> Option<Self> {
+        let RayF64 { origin, t_min: from, direction, t_max: to } = *ray;
+        let [origin, direction] = [origin, direction].map(DVec3::from_array);
+        ray.is_valid().then_some(Self { origin, direction, from, to })
     }
 
     /// Where it passes through a triangle, edges included, if between its limits. A triangle in a plane with the line is

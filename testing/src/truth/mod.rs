@@ -18,12 +18,12 @@ mod passing;
 use core::cmp::Ordering;
 
 use glam::DVec3;
-use leafwalk_core::Ray;
-use leafwalk_cpu::Mesh;
+use leafwalk_core::RayF64;
+use leafwalk_cpu::MeshRef;
 use rayon::prelude::*;
 
 pub use counts::{Counts, per_million};
-pub use passing::{Excess, LATERAL_ERROR};
+pub use passing::{Distance, Excess, LATERAL_ERROR, Slack};
 
 use hierarchy::Hierarchy;
 use line::{Crossing, Line};
@@ -80,15 +80,16 @@ impl Verdict {
 
 impl Oracle {
     /// Of the triangles of a mesh.
-    pub fn new(mesh: &Mesh) -> Self {
-        let corners = |primitive| mesh.corners(primitive).map(point);
-        let triangles: Vec<_> = (0..mesh.triangles.len()).map(corners).collect();
+    pub fn new<'a>(mesh: impl Into<MeshRef<'a>>) -> Self {
+        let mesh = mesh.into();
+        let corners = |primitive| mesh.corners(primitive).map(DVec3::from_array);
+        let triangles: Vec<_> = (0..mesh.triangles().len()).map(corners).collect();
         Self { hierarchy: Hierarchy::new(&triangles), triangles }
     }
 
     /// The closest hit of a ray.
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let line = Line::of(ray)?;
+    pub fn closest<R: Copy + Into<RayF64>>(&self, ray: &R) -> Option<Hit> {
+        let line = Line::of(&(*ray).into())?;
         let mut closest: Option<(Crossing, Hit)> = None;
         self.hierarchy.visit(&line, |corners, primitive, to| {
             let Some(crossing) = line.crossing(corners) else { return };
@@ -112,13 +113,16 @@ impl Oracle {
     }
 
     /// The closest hits of many rays, on every core.
-    pub fn closest_hits(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
+    pub fn closest_hits<R: Copy + Into<RayF64> + Sync>(&self, rays: &[R]) -> Vec<Option<Hit>> {
         rays.par_iter().map(|ray| self.closest(ray)).collect()
     }
 
     /// Judges the answer that a ray has its closest hit at `t` on a triangle; infinity for a miss.
-    pub fn judge(&self, ray: &Ray, truth: Option<&Hit>, t: f32, primitive: u32) -> Verdict {
-        let t = f64::from(t);
+    pub fn judge<R>(&self, ray: &R, truth: Option<&Hit>, t: impl Into<f64>, primitive: u32) -> Verdict
+    where
+        R: Copy + Into<RayF64>,
+    {
+        let t = t.into();
         match truth {
             None if t == f64::INFINITY => Verdict::Right,
             None => Verdict::False,
@@ -129,7 +133,7 @@ impl Oracle {
                 match (is_same, is_off) {
                     (true, false) => Verdict::Right,
                     (true, true) => Verdict::Off,
-                    (false, false) if self.is_near(primitive, ray, hit.t) => Verdict::Neighbour,
+                    (false, false) if self.is_near(primitive, &(*ray).into(), hit.t) => Verdict::Neighbour,
                     (false, _) => Verdict::Wrong,
                 }
             }
@@ -137,28 +141,27 @@ impl Oracle {
     }
 
     /// Whether a point of a ray lies at a triangle: in its box, but for as much of the distance as hits may be off.
-    fn is_near(&self, primitive: u32, ray: &Ray, t: f64) -> bool {
+    fn is_near(&self, primitive: u32, ray: &RayF64, t: f64) -> bool {
         let Some([a, b, c]) = self.triangles.get(primitive as usize) else { return false };
-        let travelled = t * point(ray.direction);
-        let (at, slack) = (point(ray.origin) + travelled, DVec3::splat(SAME * travelled.length()));
+        let travelled = t * DVec3::from_array(ray.direction);
+        let (at, slack) = (DVec3::from_array(ray.origin) + travelled, DVec3::splat(SAME * travelled.length()));
         let (lower, upper) = (a.min(*b).min(*c) - slack, a.max(*b).max(*c) + slack);
         at.clamp(lower, upper) == at
     }
 }
 
-fn point(p: [f32; 3]) -> DVec3 {
-    DVec3::from_array(p.map(f64::from))
-}
-
 #[cfg(test)]
 mod tests {
+    use leafwalk_core::Ray;
+    use leafwalk_cpu::Mesh;
+
     use super::*;
     use crate::random::Random;
     use crate::{meshes, rays, wide};
 
     /// The closest hit by integers alone, among all triangles.
     fn by_integers(oracle: &Oracle, ray: &Ray) -> Option<(f64, Vec<u32>)> {
-        let line = Line::of(ray)?;
+        let line = Line::of(&(*ray).into())?;
         let mut closest: Option<(exact::Ratio, Vec<u32>)> = None;
         for (primitive, corners) in (0..).zip(&oracle.triangles) {
             let exact = line.exact(corners);

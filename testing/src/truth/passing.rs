@@ -5,7 +5,7 @@
 //! along its main axis.
 
 use glam::{DVec2, DVec3};
-use leafwalk_core::Ray;
+use leafwalk_core::RayF64;
 use leafwalk_core::contract::ROUNDOFF;
 
 use super::Oracle;
@@ -17,8 +17,54 @@ pub const LATERAL_ERROR: f64 = 6.0 * ROUNDOFF as f64;
 /// ez, of which one part grows with M, and one with the depth of the triangle itself, since weights multiply differences of
 /// the corners' depths ("The depth error ez").
 const DEPTH_ERROR: [f64; 2] = [4.0 * ROUNDOFF as f64, 11.0 * ROUNDOFF as f64];
-/// Half the smallest number of f32: so far the rounding of a reported t may move it, however small it is.
-const LEAST_ROUNDING: f64 = 1.0 / (1u128 << 75) as f64 / (1u128 << 75) as f64;
+
+/// The t that a tracer reports.
+pub trait Distance: Copy + Into<f64> {
+    /// Half the distance from 1 to the next number.
+    const ROUNDOFF: f64;
+    /// Half the smallest number: so far rounding may move a t, however small it is.
+    const LEAST_ROUNDING: f64;
+    /// The largest number.
+    const MAX: f64;
+
+    /// How far rounding may move a t.
+    fn rounding(t: f64) -> f64 {
+        Self::ROUNDOFF * t.abs() + Self::LEAST_ROUNDING
+    }
+}
+
+impl Distance for f32 {
+    const ROUNDOFF: f64 = ROUNDOFF as f64;
+    const LEAST_ROUNDING: f64 = 1.0 / (1u128 << 75) as f64 / (1u128 << 75) as f64;
+    const MAX: f64 = f32::MAX as f64;
+}
+
+impl Distance for f64 {
+    const ROUNDOFF: f64 = 1.0 / (1u64 << 53) as f64;
+    // Under all numbers.
+    const LEAST_ROUNDING: f64 = 0.0;
+    const MAX: f64 = f64::MAX;
+}
+
+/// What is allowed beside the contract's errors of a triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Slack {
+    /// What every length may be off by.
+    pub least: f64,
+    /// The frame's anchor, for meshes and rays that are rounded: corners and origins by a roundoff of their distances from
+    /// it, and directions ("Frame").
+    pub anchor: Option<[f64; 3]>,
+}
+
+impl Slack {
+    /// Of a triangle whose corners are within `reach` of a line's origin.
+    fn of(&self, line: &Line, corners: &[DVec3; 3], reach: f64) -> f64 {
+        let Some(anchor) = self.anchor.map(DVec3::from_array) else { return self.least };
+        let away = |point: DVec3| (point - anchor).abs().max_element();
+        let corners = corners.iter().map(|corner| away(*corner)).fold(0.0, f64::max);
+        self.least + f64::from(ROUNDOFF) * (corners + away(line.origin) + reach)
+    }
+}
 
 /// How far an answer is from the truth, in what is allowed: above 1 it is at fault.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -59,8 +105,7 @@ struct Passing {
 }
 
 impl Passing {
-    /// `least` is an error that every length may have.
-    fn new(line: &Line, corners: &[DVec3; 3], least: f64) -> Self {
+    fn new<T: Distance>(line: &Line, corners: &[DVec3; 3], slack: &Slack) -> Self {
         let axis = line.direction.abs().max_position();
         let permuted = |v: DVec3| DVec3::new(v[(axis + 1) % 3], v[(axis + 2) % 3], v[axis]);
         let direction = permuted(line.direction);
@@ -75,12 +120,13 @@ impl Passing {
         let [a, b, c] = seen;
         let normal = (b - a).cross(c - a);
         let along = normal.dot(slope.extend(1.0));
-        let lateral = LATERAL_ERROR * reach + least;
+        let slack = slack.of(line, corners, reach);
+        let lateral = LATERAL_ERROR * reach + slack;
         // How steeply the plane rises along the ray, per step across it.
         let steepness = (normal.x.abs() + normal.y.abs()) / along.abs();
         let t = normal.dot(a) / along / direction.z;
-        let along_main_axis = DEPTH_ERROR[0] * reach + DEPTH_ERROR[1] * depth + least;
-        let error = |along_main_axis: f64, t: f64| along_main_axis / direction.z.abs() + rounding(t);
+        let along_main_axis = DEPTH_ERROR[0] * reach + DEPTH_ERROR[1] * depth + slack;
+        let error = |along_main_axis: f64, t: f64| along_main_axis / direction.z.abs() + T::rounding(t);
         Self {
             inside: inside(&sheared),
             lateral,
@@ -90,11 +136,6 @@ impl Passing {
             range_error: error(along_main_axis, ends.abs().max_element()),
         }
     }
-}
-
-/// How far rounding may move a reported t.
-fn rounding(t: f64) -> f64 {
-    f64::from(ROUNDOFF) * t.abs() + LEAST_ROUNDING
 }
 
 /// How far the origin is inside a triangle, by the larger of two coordinates; negative: outside.
@@ -112,32 +153,34 @@ fn inside(corners: &[DVec2; 3]) -> f64 {
 }
 
 impl Oracle {
-    /// How far the answer that a ray has its closest hit at `t` on a triangle, or none, is from the truth. Every length may
-    /// also be off by `least`.
-    pub fn excess(&self, ray: &Ray, answer: Option<(f32, u32)>, least: f64) -> Excess {
-        let Some(line) = Line::of(ray) else { return Excess::default() };
+    /// How far the answer that a ray has its closest hit at `t` on a triangle, or none, is from the truth.
+    pub fn excess<R, T>(&self, ray: &R, answer: Option<(T, u32)>, slack: &Slack) -> Excess
+    where
+        R: Copy + Into<RayF64>,
+        T: Distance,
+    {
+        let Some(line) = Line::of(&(*ray).into()) else { return Excess::default() };
         let mut excess = Excess::default();
         let mut before = f64::INFINITY;
         if let Some((t, primitive)) = answer {
-            let passing = Passing::new(&line, &self.triangles[primitive as usize], least);
+            let passing = Passing::new::<T>(&line, &self.triangles[primitive as usize], slack);
             excess.lateral = (-passing.inside / passing.lateral).max(0.0);
-            let is_reported = t.abs() < f32::MAX;
-            let t = f64::from(t);
-            // A t beyond all numbers of f32 is not reported as it is.
-            if is_reported {
+            let t = t.into();
+            // A t beyond all numbers is not reported as it is.
+            if t.abs() < T::MAX {
                 let outside = (passing.range[0] - t).max(t - passing.range[1]).max(0.0);
                 // Without the NaN of a line in the plane.
                 excess.depth = ((t - passing.t).abs() / passing.error).max(outside / passing.range_error);
             }
             // What was found is as reported, but for its last rounding.
-            before = t - rounding(t);
+            before = t - T::rounding(t);
         }
         let to = line.to.min(before);
         self.hierarchy.visit(&Line { to, ..line }, |corners, _, _| {
             if line.crossing(corners).is_none() {
                 return;
             }
-            let lost = Passing::new(&line, corners, least);
+            let lost = Passing::new::<T>(&line, corners, slack);
             if line.from < lost.t - lost.error && lost.t + lost.error < to {
                 excess.lateral = excess.lateral.max(lost.inside / lost.lateral);
             }

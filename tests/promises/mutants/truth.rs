@@ -5,10 +5,10 @@ use leafwalk::{Builder, CpuTracer, Mesh};
 use leafwalk_core::contract::ROUNDOFF;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::tally::{Tally, scaled};
-use leafwalk_testing::truth::Oracle;
-use leafwalk_testing::{meshes, rays, wide};
+use leafwalk_testing::truth::{Oracle, Slack};
+use leafwalk_testing::{meshes, rays, utm, wide};
 
-use crate::truth::faults;
+use crate::truth::{faults, utm_faults};
 
 /// Vertices at whole roundoffs of the root's edge.
 fn rounded(mesh: &Mesh) -> Mesh {
@@ -21,7 +21,15 @@ fn rounded(mesh: &Mesh) -> Mesh {
 /// What the promise's check says of rays at a mesh that another one stands for.
 fn against(mesh: &Mesh, traced: &Mesh, ray: impl Fn(&mut Random) -> leafwalk::Ray + Sync) -> Tally {
     let octree = Builder::new().build(traced).expect("a mesh that builds");
-    faults(&CpuTracer::new(octree.view()), &Oracle::new(mesh), 0.0, &ray, scaled(4000), 96).0
+    faults(
+        &CpuTracer::new(octree.view()),
+        &Oracle::new(mesh),
+        Slack { least: 0.0, anchor: None },
+        &ray,
+        scaled(4000),
+        96,
+    )
+    .0
 }
 
 #[test]
@@ -39,4 +47,15 @@ fn vertices_rounded_across_the_scene() {
     };
     against(&mesh, &mesh, close).passes("the sphere as it is, truth", 0.05);
     against(&mesh, &rounded(&mesh), close).catches("vertices rounded across the sphere");
+}
+
+/// Vertices of f64 as if the anchor were not where the detail is.
+#[test]
+fn vertices_of_f64_rounded_across_the_scene() {
+    let scene = utm::all().into_iter().find(|scene| scene.name.contains("1e6 times as wide")).expect("the box");
+    let octree = Builder::new().build(&scene.mesh).expect("a mesh that builds");
+    let step = f64::from(ROUNDOFF) * octree.frame().scale();
+    let positions = scene.mesh.positions.iter().map(|p| p.map(|c| (c / step).round() * step)).collect();
+    let rounded = Mesh { positions, ..scene.mesh.clone() };
+    utm_faults(&scene, &rounded).0.catches("vertices of f64 rounded across the scene");
 }
