@@ -131,8 +131,8 @@ fn measure(arguments: &Arguments, scene: &str, mesh: &Mesh, inside: bool) -> Rep
     let triangles = mesh.triangles.len();
     let stats = octree.stats();
     println!(
-        "\n{scene}: {triangles} triangles; ours: {:.2} references a triangle, {} leaves",
-        f64::from(stats.references) / triangles as f64,
+        "\n{scene}: {triangles} triangles; ours: {:.2} triangles a block, {} leaves",
+        triangles as f64 / f64::from(stats.blocks),
         stats.leaves
     );
     let mut tracers = ours::all(&octree, &compact);

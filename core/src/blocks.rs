@@ -1,7 +1,7 @@
 //! `Blocks`: the triangles of an octree, whichever way its file holds them.
 
 use crate::error::DecodeError;
-use crate::layout::{BLOCK_WIDTH, Block, IndexedBlock, Payload};
+use crate::layout::{BLOCK_WIDTH, Block, IndexedBlock};
 
 /// The triangles, eight by eight.
 #[derive(Clone, Copy, Debug)]
@@ -79,16 +79,7 @@ impl<'a> Blocks<'a> {
 
     /// All blocks, first to last.
     pub fn iter(self) -> impl Iterator<Item = Block> + use<'a> {
-        self.run(0, self.len())
-    }
-
-    /// The blocks of a payload.
-    pub fn of(self, payload: &Payload) -> impl Iterator<Item = Block> + use<'a> {
-        self.run(payload.first as usize, payload.count as usize)
-    }
-
-    fn run(self, first: usize, count: usize) -> impl Iterator<Item = Block> + use<'a> {
         let mut room = None;
-        (first..).take(count).filter_map(move |number| self.get(number, &mut room).copied())
+        (0..self.len()).filter_map(move |number| self.get(number, &mut room).copied())
     }
 }

@@ -96,12 +96,12 @@ pub enum DecodeError {
         /// 2 * axis + positive.
         face: u32,
     },
-    /// A payload's counts, boxes, blocks or chain are impossible.
+    /// A payload leads to what is not there, or a box of it reaches out of its leaf or of the node that it leads to.
     BadPayload {
         /// Payload number.
         payload: u32,
     },
-    /// A BVH node leads to what is not there or out of turn, or a child's box is not that of its own children.
+    /// A BVH node leads to what is not there or out of turn, lies too deep, or a child's box is not that of its own children.
     BadBvhNode {
         /// Number of the node.
         node: u32,
@@ -137,7 +137,7 @@ pub enum RecordFault {
     Place,
     /// Its children are not the next block of eight siblings.
     Children,
-    /// It lists triangles that no payload has, or says how many there are otherwise than the payload does.
+    /// Its payload is not the next one, or has another number of entries than it says.
     Payload,
 }
 

@@ -4,7 +4,7 @@ use crate::aabb::Aabb;
 use crate::blocks::{Blocks, Indexed};
 use crate::error::DecodeError;
 use crate::frame::Frame;
-use crate::layout::{BvhNode, Key, LatticeBox, Payload, Record, Section, Triangle};
+use crate::layout::{Block, BvhNode, Key, LatticeBox, Record, Section, Triangle};
 use crate::wire::{Header, Spans};
 
 /// The sections of an octree as slices.
@@ -17,9 +17,9 @@ pub struct Parts<'a> {
     /// All nodes; the root is number 0, and numbers 1 to 7 are vacant.
     pub records: &'a [Record],
     keys: &'a [[u32; 2]],
-    /// What non-empty leaves list.
-    pub payloads: &'a [Payload],
-    /// The triangles.
+    /// What leaves that are not empty list: nodes of the BVH or blocks, with boxes that are cut to the leaf's cell.
+    pub payloads: &'a [BvhNode],
+    /// The triangles, each in one block.
     pub blocks: Blocks<'a>,
     /// The BVH over the blocks, its root first; empty where no triangle is listed.
     pub bvh: &'a [BvhNode],
@@ -37,7 +37,6 @@ impl<'a> Parts<'a> {
             primitives: 0,
             dropped: 0,
             collapsed: 0,
-            references: 0,
             grid_bits: 0,
             scale_exponent: 0,
             padding: 0.0,
@@ -93,17 +92,14 @@ impl<'a> Parts<'a> {
         numbered.filter(|(number, record)| (*number == 0 || *number > 7) && !record.head().is_inner())
     }
 
-    /// The payloads of a leaf, first to last.
-    pub fn payloads_of(&self, leaf: &Record) -> impl Iterator<Item = &'a Payload> + use<'a> {
-        let payloads = self.payloads;
-        let first = (leaf.head().t_count() != 0).then(|| &payloads[leaf.offset as usize]);
-        core::iter::successors(first, move |payload| payloads.get(payload.next as usize))
+    /// What a leaf lists, unless that is nothing.
+    pub fn payload_of(&self, leaf: &Record) -> Option<&'a BvhNode> {
+        (leaf.head().t_count() != 0).then(|| &self.payloads[leaf.offset as usize])
     }
 
-    /// The triangles of a leaf.
-    pub fn triangles_of(&self, leaf: &Record) -> impl Iterator<Item = Triangle> + use<'a> {
-        let blocks = self.blocks;
-        self.payloads_of(leaf).flat_map(move |payload| blocks.of(payload)).flat_map(|block| block.triangles())
+    /// All triangles.
+    pub fn triangles(&self) -> impl Iterator<Item = Triangle> + use<'a> {
+        self.blocks.iter().flat_map(Block::triangles)
     }
 
     /// See [`crate::Octree::bounds`].

@@ -1,10 +1,10 @@
 //! `Stats`: what an octree holds, in numbers.
 
-use crate::layout::MAX_LEVEL;
+use crate::layout::{BVH_WIDTH, MAX_LEVEL};
 use crate::parts::Parts;
 
-/// Entries of [`Stats::leaves_by_blocks`]: 0 to 8 blocks, and more.
-pub const LEAF_SIZES: usize = 10;
+/// Sizes of leaves: 0 to 8 entries.
+pub const LEAF_SIZES: usize = BVH_WIDTH + 1;
 
 /// What an octree holds, in numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,8 +17,6 @@ pub struct Stats {
     pub dropped: u32,
     /// Dropped triangles that lost their extent on the lattice: detail under 2^-76 of the scene's extent.
     pub collapsed: u32,
-    /// Triangles listed, counted once a leaf.
-    pub references: u32,
     /// Blocks of eight triangles.
     pub blocks: u32,
     /// Leaves, empty ones included.
@@ -29,8 +27,8 @@ pub struct Stats {
     pub inner: u32,
     /// Leaves of each level, root first.
     pub leaves_at_level: [u32; MAX_LEVEL as usize + 1],
-    /// Leaves of 0, 1, .. 8 blocks, and of more.
-    pub leaves_by_blocks: [u32; LEAF_SIZES],
+    /// Leaves that list 0, 1, .. 8 blocks or nodes of the BVH.
+    pub leaves_by_entries: [u32; LEAF_SIZES],
 }
 
 impl Stats {
@@ -40,21 +38,19 @@ impl Stats {
             primitives: parts.header.primitives,
             dropped: parts.header.dropped,
             collapsed: parts.header.collapsed,
-            references: parts.header.references,
             blocks: parts.blocks.len() as u32,
             leaves: 0,
             empty_leaves: 0,
             inner: 0,
             leaves_at_level: [0; MAX_LEVEL as usize + 1],
-            leaves_by_blocks: [0; LEAF_SIZES],
+            leaves_by_entries: [0; LEAF_SIZES],
         };
         stats.inner = parts.records.iter().filter(|record| record.head().is_inner()).count() as u32;
         for (_, leaf) in parts.leaves() {
-            let blocks: usize = parts.payloads_of(leaf).map(|payload| payload.count as usize).sum();
             stats.leaves += 1;
-            stats.empty_leaves += u32::from(blocks == 0);
+            stats.empty_leaves += u32::from(leaf.head().t_count() == 0);
             stats.leaves_at_level[leaf.head().level() as usize] += 1;
-            stats.leaves_by_blocks[blocks.min(LEAF_SIZES - 1)] += 1;
+            stats.leaves_by_entries[leaf.head().t_count() as usize] += 1;
         }
         stats
     }

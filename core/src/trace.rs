@@ -2,7 +2,7 @@
 
 use crate::contract::{BOX_MARGIN, PADDING};
 use crate::lanes::Lanes;
-use crate::layout::{BLOCK_WIDTH, Block, Key, LATTICE, LINK_NONE, NONE, PAYLOAD_BLOCKS, Payload};
+use crate::layout::{BLOCK_WIDTH, BVH_WIDTH, Block, BvhNode, Child, Key, LATTICE, LINK_NONE, MAX_DEPTH, NONE};
 use crate::nearest::Nearest;
 use crate::octree::Octree;
 use crate::parts::Parts;
@@ -128,13 +128,14 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         visitor: &mut impl FnMut(u32, &Cell<f32>),
     ) -> Search<'r> {
         let mut search = Search { ray, nearest: Nearest::new(ray), work: Work::default() };
+        // In a leaf, the nodes on the way down.
+        let mut path = [Visit::NONE; MAX_DEPTH];
         let line = Line::new(ray.within, ray.direction);
         let span = Span::new(&line, ray.t_min, ray.t_max, &self.hull);
         if !span.is_met {
             return search;
         }
-        let slabs = Slabs::new(line.origin, line.inverse);
-        let (shear, axes) = Shear::<f32>::new(ray);
+        let probe = Probe::new(ray, &line);
         let (mut number, mut cell) = self.parts.locate(span.start, line.neg);
         loop {
             visitor(number, &cell);
@@ -142,7 +143,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
             let record = &self.parts.records[number as usize];
             let head = record.head();
             if head.t_count() != 0 {
-                self.leaf::<ANY>(record.offset, &slabs, &shear, axes, &mut search);
+                self.leaf::<ANY>(record.offset, &probe, &mut search, &mut path);
                 if (ANY || P::STOPS_AT_FIRST_HIT) && search.nearest.is_hit() {
                     return search;
                 }
@@ -159,35 +160,146 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         }
     }
 
-    /// Tests what a leaf lists: its tight box, then the blocks whose boxes the ray meets.
+    /// Descends from what a leaf lists to the blocks whose boxes the ray meets, and tests these.
+    ///
+    /// Below an entry only that part of the ray counts that lies in the entry's box, which is cut to the leaf's cell: what it
+    /// meets outside belongs to other leaves.
     #[inline(always)]
     fn leaf<const ANY: bool>(
         &self,
-        first: u32,
-        slabs: &Slabs<f32>,
-        shear: &Shear<f32>,
-        axes: [usize; 3],
+        payload: u32,
+        probe: &Probe,
         search: &mut Search<'_>,
+        path: &mut [Visit<'a>; MAX_DEPTH],
     ) {
-        let mut payload = &self.parts.payloads[first as usize];
         let mut room = None;
-        if !search.meets(slabs, payload) {
-            return;
-        }
+        let all = (search.ray.t_min, search.ray.t_max);
+        let mut part = all;
+        let mut visit = probe.enter(&self.parts.payloads[payload as usize], part, search.nearest.t);
+        let mut depth = 0;
         loop {
-            let met = search.blocks_met(slabs, payload);
-            for b in (0..payload.count).filter(|b| met >> b & 1 == 1) {
-                search.work.blocks += 1;
-                if let Some(block) = self.parts.blocks.get((payload.first + b) as usize, &mut room) {
-                    search.test_block::<ANY, P>(block, shear, axes);
+            let Visit { node, waiting } = &mut visit;
+            if *waiting == 0 {
+                if depth == 0 {
+                    return;
                 }
+                depth -= 1;
+                visit = path[depth];
+                if depth == 0 {
+                    part = all;
+                }
+                continue;
             }
-            match self.parts.payloads.get(payload.next as usize) {
-                Some(next) => payload = next,
-                None => return,
+            let slot = (waiting.trailing_zeros() ^ probe.neg) as usize % BVH_WIDTH;
+            *waiting &= *waiting - 1;
+            let met = if search.nearest.is_hit() || depth == 0 {
+                probe.clip(node, slot, part, search.nearest.t)
+            } else {
+                part
+            };
+            if met.0 > met.1 {
+                // A nearer hit was found since the node was entered.
+                continue;
+            }
+            match Child::from_word(node.children[slot]) {
+                Child::Node(number) => {
+                    if depth == 0 {
+                        part = met;
+                    }
+                    path[depth] = visit;
+                    depth += 1;
+                    visit = probe.enter(&self.parts.bvh[number as usize], part, search.nearest.t);
+                }
+                Child::Block(number) => {
+                    search.work.blocks += 1;
+                    if let Some(block) = self.parts.blocks.get(number as usize, &mut room) {
+                        search.test_block::<ANY, P>(block, &probe.shear, probe.axes);
+                        if ANY && search.nearest.is_hit() {
+                            return;
+                        }
+                    }
+                }
+                Child::Vacant => {}
             }
         }
     }
+}
+
+/// What a ray's visits to leaves share.
+struct Probe {
+    /// The slabs of the ray (see [`Slabs`]), by the sides that it meets first and last.
+    inverse: [f32; 3],
+    near: [f32; 3],
+    far: [f32; 3],
+    neg: u32,
+    shear: Shear<f32>,
+    axes: [usize; 3],
+}
+
+/// A node that a ray has entered.
+#[derive(Clone, Copy)]
+struct Visit<'a> {
+    node: &'a BvhNode,
+    /// The children whose boxes are met and that have not been visited, a bit each, in the ray's order: slot XOR octant.
+    waiting: u32,
+}
+
+impl Visit<'_> {
+    const NONE: Self = Self { node: &BvhNode::VACANT, waiting: 0 };
+}
+
+impl Probe {
+    fn new(ray: &CanonicalRay, line: &Line<f32>) -> Self {
+        let slabs = Slabs::new(line.origin, line.inverse);
+        let (shear, axes) = Shear::<f32>::new(ray);
+        let is_down = |k: usize| line.neg >> k & 1 == 1;
+        Self {
+            inverse: slabs.inverse,
+            near: core::array::from_fn(|k| if is_down(k) { slabs.upper[k] } else { slabs.lower[k] }),
+            far: core::array::from_fn(|k| if is_down(k) { slabs.lower[k] } else { slabs.upper[k] }),
+            neg: line.neg,
+            shear,
+            axes,
+        }
+    }
+
+    /// Tests all eight boxes of a node against a part of the ray, in loops that compilers turn into SIMD.
+    fn enter<'a>(&self, node: &'a BvhNode, part: (f32, f32), nearest: f32) -> Visit<'a> {
+        let mut first = [part.0; BVH_WIDTH];
+        let mut last = [Lanes::min(part.1, nearest); BVH_WIDTH];
+        let (near, far) = (node.near_sides(self.neg), node.near_sides(!self.neg));
+        for k in 0..3 {
+            for slot in 0..BVH_WIDTH {
+                first[slot] = Lanes::max(first[slot], f32::from(near[k][slot]) * self.inverse[k] + self.near[k]);
+                last[slot] = Lanes::min(last[slot], f32::from(far[k][slot]) * self.inverse[k] + self.far[k]);
+            }
+        }
+        let mut met = 0;
+        for slot in 0..BVH_WIDTH {
+            met |= u32::from(first[slot] <= last[slot]) << slot;
+        }
+        Visit { node, waiting: in_order(met, self.neg) }
+    }
+
+    /// The part of a part of the ray that lies in a child's box, before the nearest hit.
+    #[inline]
+    fn clip(&self, node: &BvhNode, slot: usize, part: (f32, f32), nearest: f32) -> (f32, f32) {
+        let (near, far) = (node.near_sides(self.neg), node.near_sides(!self.neg));
+        let along = |side: u16, k: usize, offset: f32| f32::from(side) * self.inverse[k] + offset;
+        let first = (0..3).fold(part.0, |first, k| Lanes::max(first, along(near[k][slot], k, self.near[k])));
+        let last = (0..3).fold(part.1, |last, k| Lanes::min(last, along(far[k][slot], k, self.far[k])));
+        (first, Lanes::min(last, nearest))
+    }
+}
+
+/// Lanes by slot as lanes in the order of a ray of octant `neg`: bit i goes to i XOR `neg`.
+#[inline(always)]
+fn in_order(met: u32, neg: u32) -> u32 {
+    let swap = |met: u32, k: u32, low: u32| {
+        let swapped = (met & low) << (1 << k) | met >> (1 << k) & low;
+        if neg >> k & 1 == 1 { swapped } else { met }
+    };
+    swap(swap(swap(met, 0, 0x55), 1, 0x33), 2, 0x0f)
 }
 
 /// Whether one cell comes before another along a ray of octant `neg`: by the Morton order of the corners that the ray
@@ -205,39 +317,16 @@ fn precedes(a: &Cell<f32>, b: &Cell<f32>, neg: u32) -> bool {
 }
 
 impl Search<'_> {
-    /// Whether the ray meets a payload's tight box.
-    #[inline(always)]
-    fn meets(&self, slabs: &Slabs<f32>, payload: &Payload) -> bool {
-        let sides = |sides: &[u16; 3]| -> [f32; 3] { unroll!(k in 0..3 => f32::from(sides[k])) };
-        let (first, last) = slabs.clip(sides(&payload.lower), sides(&payload.upper), self.ray.t_min, self.nearest.t);
-        first <= last
-    }
-
-    /// Bit b: block b's box is met; bits from the payload's count on mean nothing. All eight at once, in a loop that
-    /// compilers turn into SIMD.
-    #[inline(always)]
-    fn blocks_met(&self, slabs: &Slabs<f32>, payload: &Payload) -> u32 {
-        let is_met: [bool; PAYLOAD_BLOCKS] = core::array::from_fn(|b| {
-            let [x, y, z] = &payload.sides;
-            let side = |at: usize| [x[at][b], y[at][b], z[at][b]].map(f32::from);
-            let (first, last) = slabs.clip(side(0), side(1), self.ray.t_min, self.nearest.t);
-            first <= last
-        });
-        (0..).zip(is_met).fold(0, |met, (b, is_met)| met | u32::from(is_met) << b)
-    }
-
     #[inline(always)]
     fn test_block<const ANY: bool, P: Policy>(&mut self, block: &Block, shear: &Shear<f32>, axes: [usize; 3]) {
-        // Few blocks hold a candidate, so all lanes are sifted before any is finished: a loop without branches.
-        let mut is_candidate = [false; BLOCK_WIDTH];
-        let corners = |lane: usize| core::array::from_fn(|corner| axes.map(|axis| block.vertices[corner][axis][lane]));
-        for (lane, is_candidate) in is_candidate.iter_mut().enumerate() {
-            // A vacant lane would be finished as often as the lane that it repeats.
-            *is_candidate = Sheared::new(shear, corners(lane)).is_candidate() & (block.primitives[lane] != NONE);
+        let candidates = candidates(block, shear, axes);
+        if candidates == [false; BLOCK_WIDTH] {
+            return;
         }
-        for (lane, is_candidate) in is_candidate.into_iter().enumerate() {
+        for (lane, is_candidate) in candidates.into_iter().enumerate() {
             if is_candidate {
-                let (accepted, found) = Sheared::new(shear, corners(lane)).finish(shear, &corners(lane));
+                let corners = corners(block, axes, lane);
+                let (accepted, found) = Sheared::new(shear, corners).finish(shear, &corners);
                 if accepted {
                     self.offer::<P>(found, block.primitives[lane]);
                 }
@@ -258,4 +347,22 @@ impl Search<'_> {
             *nearest = Nearest { t, u, v, primitive, ..*nearest };
         }
     }
+}
+
+/// The lanes of a block whose triangles may be hit. Few blocks have any, so all lanes are sifted before any is finished, in a
+/// loop without branches that compilers turn into SIMD; here, once, since copies in other crates were not always.
+fn candidates(block: &Block, shear: &Shear<f32>, axes: [usize; 3]) -> [bool; BLOCK_WIDTH] {
+    let mut candidates = [false; BLOCK_WIDTH];
+    for (lane, is_candidate) in candidates.iter_mut().enumerate() {
+        // A vacant lane would be finished as often as the lane that it repeats.
+        *is_candidate =
+            Sheared::new(shear, corners(block, axes, lane)).is_candidate() & (block.primitives[lane] != NONE);
+    }
+    candidates
+}
+
+/// A lane's corners, with the axes in the order of a ray's shear.
+#[inline(always)]
+fn corners(block: &Block, axes: [usize; 3], lane: usize) -> [[f32; 3]; 3] {
+    unroll!(corner in 0..3 => unroll!(k in 0..3 => block.vertices[corner][axes[k]][lane]))
 }

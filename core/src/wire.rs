@@ -26,8 +26,6 @@ pub struct Header {
     pub dropped: u32,
     /// Dropped triangles that had three different vertices in the mesh.
     pub collapsed: u32,
-    /// Triangles listed in leaves, counted once a leaf.
-    pub references: u32,
     /// The entry grid has 2^this cells an axis.
     pub grid_bits: u32,
     /// See [`Frame`].

@@ -73,13 +73,6 @@ pub fn with_beam_margin<W>(mut tracer: CpuTracer<W>, beam_margin: f32) -> CpuTra
     tracer
 }
 
-/// A tracer whose tiles take a triangle for tested once some of their rays were tested against it: a test has to notice.
-#[must_use]
-pub fn forgetting_rays<W>(mut tracer: CpuTracer<W>) -> CpuTracer<W> {
-    tracer.tiling.forgets_rays = true;
-    tracer
-}
-
 /// A builder that breaks a clause of the contract.
 #[must_use]
 pub fn spoil(mut builder: Builder, spoiled: Spoiled) -> Builder {
@@ -138,7 +131,7 @@ impl Kernel for Boxes<'_> {
         let Probe { slabs, order, nearest, .. } = Probe::<L>::new(self.ray);
         let mut count = 0;
         for node in self.nodes {
-            count += boxes_hit(&slabs, order, &node.sides, &nearest).1.count_ones();
+            count += boxes_hit(&slabs, order, node, &nearest).1.count_ones();
         }
         count
     }

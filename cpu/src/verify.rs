@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use leafwalk_core::layout::{BVH_WIDTH, Block, Child, Key, LatticeBox, NONE, Payload, Record, Triangle};
+use leafwalk_core::layout::{BVH_WIDTH, Block, Child, Key, LatticeBox, Record, Triangle};
 use leafwalk_core::{Octree, Parts};
 use rayon::prelude::*;
 
@@ -22,39 +22,31 @@ pub struct Verified {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum VerifyError {
-    /// A leaf whose dilated cell meets a triangle does not list it: rays would miss it.
+    /// A leaf whose dilated cell meets a triangle lists nothing that leads to it: rays would miss it.
     MissingReference {
         /// Record number of the leaf.
         leaf: u32,
         /// The triangle.
         primitive: u32,
     },
-    /// A leaf lists a triangle whose part inside the cell sticks out of its block's box: rays would miss it.
+    /// A triangle's part inside a leaf's cell sticks out of the box by which the leaf leads to it: rays would miss it.
     SmallBox {
         /// Record number of the leaf.
         leaf: u32,
         /// The triangle.
         primitive: u32,
     },
-    /// The nodes do not lead to a block, or only with a box that is smaller than the one in its leaf: rays that descend
-    /// would miss it.
-    LostBlock {
+    /// A triangle sticks out of the box of its block in the BVH: rays that descend would miss it.
+    SmallBlockBox {
         /// Number of the block.
         block: u32,
-    },
-    /// Two leaves list a triangle with different corners.
-    CornersDiffer {
-        /// Record number of the second leaf.
-        leaf: u32,
         /// The triangle.
         primitive: u32,
     },
-    /// The number of triangles listed anywhere is not the one that the header gives.
-    TriangleCount {
-        /// Listed somewhere.
-        listed: u64,
-        /// Triangles of the mesh less those dropped.
-        expected: u64,
+    /// Two lanes of blocks hold the same triangle.
+    ListedTwice {
+        /// The triangle.
+        primitive: u32,
     },
     /// The octree was built from another mesh.
     OtherMesh {
@@ -74,19 +66,19 @@ impl fmt::Display for VerifyError {
                 write!(f, "leaf {leaf} does not list triangle {primitive}, which meets it: build the octree anew")
             }
             Self::SmallBox { leaf, primitive } => {
-                write!(f, "in leaf {leaf} triangle {primitive} sticks out of its block's box: build the octree anew")
-            }
-            Self::LostBlock { block } => {
                 write!(
                     f,
-                    "no BVH node leads to block {block} with a box as large as in its leaf: build the octree anew"
+                    "in leaf {leaf} triangle {primitive} sticks out of the box that leads to it: build the octree anew"
                 )
             }
-            Self::CornersDiffer { leaf, primitive } => {
-                write!(f, "leaf {leaf} has other corners for triangle {primitive} than an earlier leaf: build it anew")
+            Self::SmallBlockBox { block, primitive } => {
+                write!(
+                    f,
+                    "triangle {primitive} sticks out of the box of block {block} in the BVH: build the octree anew"
+                )
             }
-            Self::TriangleCount { listed, expected } => {
-                write!(f, "{listed} triangles are listed, but the header says {expected}: build the octree anew")
+            Self::ListedTwice { primitive } => {
+                write!(f, "triangle {primitive} stands in two lanes of blocks: build the octree anew")
             }
             Self::OtherMesh { what, primitive: Some(primitive) } => {
                 write!(f, "built from another mesh: {what} of triangle {primitive} differ")
@@ -108,35 +100,11 @@ pub fn verify<W: AsRef<[u32]>>(octree: &Octree<W>) -> Result<Verified, VerifyErr
     verify_triangles(&parts, &gather(&parts)?)
 }
 
-fn verify_triangles(parts: &Parts<'_>, triangles: &[Triangle]) -> Result<Verified, VerifyError> {
-    let listed = triangles.len() as u64;
-    let expected = u64::from(parts.header.primitives - parts.header.dropped);
-    if listed != expected {
-        return Err(VerifyError::TriangleCount { listed, expected });
-    }
-    check_bvh(parts)?;
-    let references = Check { parts, triangles }.node(0, (0..triangles.len() as u32).collect())?;
-    Ok(Verified { triangles: listed, references })
-}
-
-/// Whether the nodes lead to every block that leaves list.
-fn check_bvh(parts: &Parts<'_>) -> Result<(), VerifyError> {
-    let mut found = vec![LatticeBox::EMPTY; parts.blocks.len()];
-    let children = parts.bvh.iter().flat_map(|node| (0..BVH_WIDTH).map(|slot| node.child(slot)));
-    for (boxed, child) in children {
-        if let Child::Block(block) = child {
-            found[block as usize] = boxed;
-        }
-    }
-    let listed = parts
-        .payloads
-        .iter()
-        .flat_map(|payload| (0..payload.count).map(|b| (payload.first + b, payload.boxed(b as usize))));
-    let is_lost = |(block, boxed): &(u32, LatticeBox)| !found[*block as usize].contains(*boxed);
-    match listed.into_iter().find(is_lost) {
-        Some((block, _)) => Err(VerifyError::LostBlock { block }),
-        None => Ok(()),
-    }
+fn verify_triangles(parts: &Parts<'_>, listed: &[Listed]) -> Result<Verified, VerifyError> {
+    let check = Check { parts, listed, places: Places::new(parts) };
+    check.bvh()?;
+    let references = check.node(0, (0..listed.len() as u32).collect())?;
+    Ok(Verified { triangles: listed.len() as u64, references })
 }
 
 /// As [`verify`], and checks that the octree was built from this mesh.
@@ -161,38 +129,87 @@ pub fn verify_against<'a, W: AsRef<[u32]>>(
     }
     let found = gather(&parts)?;
     let expected = normalised.triangles;
-    match found.iter().zip(&expected).find(|(found, expected)| found != expected) {
-        Some((found, expected)) => differs("corners", Some(found.primitive.min(expected.primitive))),
+    match found.iter().zip(&expected).find(|(found, expected)| found.triangle != **expected) {
+        Some((found, expected)) => differs("corners", Some(found.triangle.primitive.min(expected.primitive))),
         None if found.len() != expected.len() => differs("number of triangles listed", None),
         None => verify_triangles(&parts, &found),
     }
 }
 
-/// The triangles that leaves list, by ascending primitive. The header's counts are not trusted with memory.
-fn gather(parts: &Parts<'_>) -> Result<Vec<Triangle>, VerifyError> {
-    let in_leaf = |(_, leaf)| parts.triangles_of(leaf).map(|triangle| triangle.primitive);
-    let mut primitives: Vec<u32> = parts.leaves().flat_map(in_leaf).collect();
-    primitives.par_sort_unstable();
-    primitives.dedup();
-    let mut corners = vec![None; primitives.len()];
-    for (number, leaf) in parts.leaves() {
-        for Triangle { primitive, corners: found } in parts.triangles_of(leaf) {
-            let at = primitives.partition_point(|before| *before < primitive);
-            if *corners[at].get_or_insert(found) != found {
-                return Err(VerifyError::CornersDiffer { leaf: number, primitive });
+/// A triangle, and the block that holds it.
+#[derive(Clone, Copy)]
+struct Listed {
+    triangle: Triangle,
+    block: u32,
+}
+
+/// The triangles of all blocks, by ascending primitive.
+fn gather(parts: &Parts<'_>) -> Result<Vec<Listed>, VerifyError> {
+    let in_block =
+        |(number, block): (u32, Block)| block.triangles().map(move |triangle| Listed { triangle, block: number });
+    let mut listed: Vec<Listed> = (0..).zip(parts.blocks.iter()).flat_map(in_block).collect();
+    listed.par_sort_unstable_by_key(|listed| listed.triangle.primitive);
+    match listed.windows(2).find(|pair| pair[0].triangle.primitive == pair[1].triangle.primitive) {
+        Some(pair) => Err(VerifyError::ListedTwice { primitive: pair[0].triangle.primitive }),
+        None => Ok(listed),
+    }
+}
+
+/// Where nodes and blocks lie in the BVH.
+struct Places {
+    /// Per node, that which leads to it; the root's own for the root.
+    parent_of_node: Vec<u32>,
+    /// Per block, the node that leads to it, and the box there.
+    of_block: Vec<(u32, LatticeBox)>,
+}
+
+impl Places {
+    fn new(parts: &Parts<'_>) -> Self {
+        let mut places = Self {
+            parent_of_node: vec![0; parts.bvh.len()],
+            of_block: vec![(0, LatticeBox::EMPTY); parts.blocks.len()],
+        };
+        for (number, node) in (0..).zip(parts.bvh) {
+            for (boxed, child) in (0..BVH_WIDTH).map(|slot| node.child(slot)) {
+                match child {
+                    Child::Node(child) => places.parent_of_node[child as usize] = number,
+                    Child::Block(block) => places.of_block[block as usize] = (number, boxed),
+                    Child::Vacant => {}
+                }
             }
         }
+        places
     }
-    let whole = primitives.into_iter().zip(corners.into_iter().flatten());
-    Ok(whole.map(|(primitive, corners)| Triangle { primitive, corners }).collect())
+
+    /// All that leads to a block, itself first.
+    fn above(&self, block: u32) -> impl Iterator<Item = Child> {
+        let parent = self.of_block[block as usize].0;
+        let up = move |node: &u32| (*node > 0).then(|| self.parent_of_node[*node as usize]);
+        core::iter::once(Child::Block(block)).chain(core::iter::successors(Some(parent), up).map(Child::Node))
+    }
 }
 
 struct Check<'a> {
     parts: &'a Parts<'a>,
-    triangles: &'a [Triangle],
+    listed: &'a [Listed],
+    places: Places,
 }
 
 impl Check<'_> {
+    /// Whether each triangle lies in the box of its block; the decoder has seen that those above hold it.
+    fn bvh(&self) -> Result<(), VerifyError> {
+        let sticks_out = |&&Listed { triangle, block }: &&Listed| {
+            let needed = box_inside(&self.parts.frame, Key::ROOT, &triangle.corners, self.parts.header.padding);
+            !self.places.of_block[block as usize].1.contains(needed)
+        };
+        match self.listed.par_iter().find_first(sticks_out) {
+            Some(Listed { triangle: Triangle { primitive, .. }, block }) => {
+                Err(VerifyError::SmallBlockBox { block: *block, primitive: *primitive })
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Checks a node that these triangles, given by their place in the list, all meet; returns the references below it.
     fn node(&self, number: u32, triangles: Vec<u32>) -> Result<u64, VerifyError> {
         let record = &self.parts.records[number as usize];
@@ -201,7 +218,7 @@ impl Check<'_> {
             return self.leaf(number, key, record, &triangles);
         }
         let split = Split::new(&self.parts.frame, key, self.parts.header.padding);
-        let met = |&at: &u32| split.children_met(&self.triangles[at as usize].corners);
+        let met = |&at: &u32| split.children_met(&self.listed[at as usize].triangle.corners);
         let masks: Vec<u8> = triangles.par_iter().map(met).collect();
         let counts = (0..8u32).into_par_iter().map(|child| {
             let met = triangles.iter().zip(&masks).filter(|(_, mask)| **mask >> child & 1 == 1);
@@ -210,29 +227,23 @@ impl Check<'_> {
         counts.try_reduce(|| 0, |a, b| Ok(a + b))
     }
 
+    /// Checks that a leaf leads to each of the triangles that its cell meets, by a box that holds what lies inside.
     fn leaf(&self, number: u32, key: Key, leaf: &Record, triangles: &[u32]) -> Result<u64, VerifyError> {
-        let mut listed = Vec::new();
-        for payload in self.parts.payloads_of(leaf) {
-            for (b, block) in self.parts.blocks.of(payload).enumerate() {
-                self.block(number, key, payload, b, &block)?;
-                listed.extend(block.primitives.iter().filter(|primitive| **primitive != NONE));
+        let entries: Vec<_> = self.parts.payload_of(leaf).map_or_else(Vec::new, |payload| {
+            (0..BVH_WIDTH).map(|slot| payload.child(slot)).filter(|(_, child)| *child != Child::Vacant).collect()
+        });
+        for at in triangles {
+            let Listed { triangle: Triangle { primitive, corners }, block } = self.listed[*at as usize];
+            let above = self.places.above(block);
+            let mut leading = above.flat_map(|child| entries.iter().filter(move |entry| entry.1 == child)).peekable();
+            if leading.peek().is_none() {
+                return Err(VerifyError::MissingReference { leaf: number, primitive });
             }
-        }
-        listed.sort_unstable();
-        let mut expected = triangles.iter().map(|at| self.triangles[*at as usize].primitive);
-        match expected.find(|primitive| listed.binary_search(primitive).is_err()) {
-            Some(primitive) => Err(VerifyError::MissingReference { leaf: number, primitive }),
-            None => Ok(triangles.len() as u64),
-        }
-    }
-
-    fn block(&self, leaf: u32, key: Key, payload: &Payload, b: usize, block: &Block) -> Result<(), VerifyError> {
-        for Triangle { primitive, corners } in block.triangles() {
             let needed = box_inside(&self.parts.frame, key, &corners, self.parts.header.padding);
-            if !payload.boxed(b).contains(needed) {
-                return Err(VerifyError::SmallBox { leaf, primitive });
+            if !leading.any(|(boxed, _)| boxed.contains(needed)) {
+                return Err(VerifyError::SmallBox { leaf: number, primitive });
             }
         }
-        Ok(())
+        Ok(triangles.len() as u64)
     }
 }

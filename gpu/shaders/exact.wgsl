@@ -15,12 +15,13 @@ const LINK_NONE: u32 = 0x0u;
 const LINK_COARSER: u32 = 0x2u;
 const LINK_FINER: u32 = 0x3u;
 const RECORD_QUADS: u32 = 0x2u;
-const PAYLOAD_QUADS: u32 = 0x8u;
+const NODE_QUADS: u32 = 0x8u;
+const CHILDREN_QUAD: u32 = 0x6u;
+const MAX_DEPTH: u32 = 0x18u;
+const NUMBERS: u32 = 0x7fffffffu;
 const BLOCK_QUADS: u32 = 0x14u;
 const LANE_QUADS: u32 = 0x2u;
 const PRIMITIVES_QUAD: u32 = 0x12u;
-const HULL_QUAD: u32 = 0x6u;
-const LIST_QUAD: u32 = 0x7u;
 const PADDING: f32 = 0x5p-5f;
 const BOX_MARGIN: f32 = 0xfp-5f;
 const START_MARGIN: f32 = 0x5p-4f;
@@ -45,7 +46,7 @@ struct Setup {
     hull_lower: vec3<f32>,
     zero: u32,
     hull_upper: vec3<f32>,
-    unused: u32,
+    bvh: u32,
 }
 
 @group(0) @binding(0) var<uniform> setup: Setup;
@@ -329,13 +330,6 @@ fn slabs_of(origin: vec3<f32>, inverse: vec3<f32>) -> Slabs {
     return Slabs(inverse, select(lower, upper, is_negative), select(upper, lower, is_negative));
 }
 
-// core/src/trace.rs: Search::meets; the corners as the ray meets them
-fn meets(slabs: Slabs, near: vec3<f32>, far: vec3<f32>, first: f32, last: f32) -> bool {
-    let enter = near * slabs.inverse + slabs.near;
-    let leave = far * slabs.inverse + slabs.far;
-    return max(max(first, enter.x), max(enter.y, enter.z)) <= min(min(last, leave.x), min(leave.y, leave.z));
-}
-
 // core/src/slabs.rs: Slabs::clip, at the near sides of four boxes along an axis
 fn clip_near(first: vec4<f32>, near: vec4<f32>, slabs: Slabs, axis: u32) -> vec4<f32> {
     return max(first, near * pick(slabs.inverse, axis) + pick(slabs.near, axis));
@@ -511,8 +505,8 @@ fn finish(shear: Shear, block: u32, lane: u32) -> Candidate {
 //
 //     cell = the leaf that holds the point where the ray enters the hull
 //     repeat:
-//         if the leaf lists anything and the ray meets its hull:
-//             test the blocks of triangles whose boxes the ray meets, and keep the nearest hit
+//         if the leaf lists anything:
+//             descend to the blocks of triangles whose boxes the ray meets, test them, and keep the nearest hit
 //         find the face by which the ray leaves the cell
 //         end if the nearest hit, or the hull's end, lies before that face by the padding, or no leaf lies behind the face
 //         cell = the leaf behind the face: as large, larger, or of four smaller ones the one that the ray enters
@@ -585,23 +579,16 @@ fn locate(point: vec3<f32>, line: Line) -> Crossing {
     return Crossing(record, Cell(corner & vec3<u32>(~(size - 1u)), size));
 }
 
-// core/src/layout/payload.rs: Payload::hull as the ray meets it, lower sides where `take_lower`
-fn hull_side(hull: vec4<u32>, take_lower: vec3<bool>) -> vec3<f32> {
-    let lower = vec3<u32>(hull.x & 0xffffu, hull.x >> 16u, hull.y & 0xffffu);
-    let upper = vec3<u32>(hull.y >> 16u, hull.z & 0xffffu, hull.z >> 16u);
-    return vec3<f32>(select(upper, lower, take_lower));
-}
-
-// core/src/trace.rs: Search::blocks_met; bit b: block b's box is met
-fn blocks_met(payload: u32, slabs: Slabs, neg: u32, first: f32, last: f32) -> u32 {
+// core/src/trace.rs: Probe::enter; bit i: the box in slot i is met
+fn boxes_met(node: u32, slabs: Slabs, neg: u32, first: f32, last: f32) -> u32 {
     var near_even = vec4<f32>(first);
     var near_odd = vec4<f32>(first);
     var far_even = vec4<f32>(last);
     var far_odd = vec4<f32>(last);
     for (var axis = 0u; axis < 3u; axis++) {
         let is_down = (neg >> axis) & 1u;
-        let near = quad(payload + 2u * axis + is_down);
-        let far = quad(payload + 2u * axis + (is_down ^ 1u));
+        let near = quad(node + 2u * axis + is_down);
+        let far = quad(node + 2u * axis + (is_down ^ 1u));
         near_even = clip_near(near_even, vec4<f32>(near & vec4<u32>(0xffffu)), slabs, axis);
         near_odd = clip_near(near_odd, vec4<f32>(near >> vec4<u32>(16u)), slabs, axis);
         far_even = clip_far(far_even, vec4<f32>(far & vec4<u32>(0xffffu)), slabs, axis);
@@ -611,6 +598,30 @@ fn blocks_met(payload: u32, slabs: Slabs, neg: u32, first: f32, last: f32) -> u3
     let odd = select(vec4<u32>(0u), vec4<u32>(2u, 8u, 32u, 128u), near_odd <= far_odd);
     let met = even | odd;
     return met.x | met.y | met.z | met.w;
+}
+
+// core/src/trace.rs: in_order
+fn in_order(met: u32, neg: u32) -> u32 {
+    let x = select(met, ((met & 0x55u) << 1u) | ((met >> 1u) & 0x55u), (neg & 1u) != 0u);
+    let y = select(x, ((x & 0x33u) << 2u) | ((x >> 2u) & 0x33u), (neg & 2u) != 0u);
+    return select(y, ((y & 0x0fu) << 4u) | ((y >> 4u) & 0x0fu), (neg & 4u) != 0u);
+}
+
+// core/src/trace.rs: Probe::clip, a side of the box in a slot
+fn side_of(node: u32, axis: u32, is_upper: u32, slot: u32) -> f32 {
+    let both = word(((node + 2u * axis + is_upper) << 2u) + (slot >> 1u));
+    return f32((both >> (16u * (slot & 1u))) & 0xffffu);
+}
+
+// core/src/trace.rs: Probe::clip, the rest
+fn clip_slot(node: u32, slot: u32, slabs: Slabs, neg: u32, first: f32, last: f32) -> vec2<f32> {
+    var part = vec2<f32>(first, last);
+    for (var axis = 0u; axis < 3u; axis++) {
+        let is_down = (neg >> axis) & 1u;
+        part.x = max(part.x, side_of(node, axis, is_down, slot) * pick(slabs.inverse, axis) + pick(slabs.near, axis));
+        part.y = min(part.y, side_of(node, axis, is_down ^ 1u, slot) * pick(slabs.inverse, axis) + pick(slabs.far, axis));
+    }
+    return part;
 }
 
 // core/src/trace.rs: Search::test_block
@@ -632,27 +643,59 @@ fn test_block(block: u32, shear: Shear, nearest: ptr<function, Nearest>) {
 }
 
 // core/src/trace.rs: Walk::leaf, which returns the number of blocks that it tested.
-fn leaf(first: u32, origin: vec3<f32>, line: Line, slope: vec3<f32>, nearest: ptr<function, Nearest>) -> u32 {
-    var number = first;
-    var blocks = 0u;
+fn leaf(payload: u32, origin: vec3<f32>, line: Line, slope: vec3<f32>, nearest: ptr<function, Nearest>) -> u32 {
     let slabs = slabs_of(line.origin, line.inverse);
-    let is_up = upward(line) == ONE_EACH;
-    let hull = quad(setup.payloads + number * PAYLOAD_QUADS + HULL_QUAD);
-    if !meets(slabs, hull_side(hull, is_up), hull_side(hull, !is_up), (*nearest).t_min, (*nearest).t) {
+    // The node that the ray is in, those of its children that are met and still wait, and the same for the nodes above it.
+    var node = setup.payloads + payload * NODE_QUADS;
+    let all = vec2<f32>((*nearest).t_min, (*nearest).t);
+    var part = all;
+    var waiting = in_order(boxes_met(node, slabs, line.neg, part.x, part.y), line.neg);
+    var path: array<vec2<u32>, MAX_DEPTH>;
+    var depth = 0u;
+    var blocks = 0u;
+    if waiting == 0u {
         return blocks;
     }
     let shear = shear_of(origin, line.direction, slope);
-    while number != NONE {
-        let payload = setup.payloads + number * PAYLOAD_QUADS;
-        let list = quad(payload + LIST_QUAD);
-        var met = blocks_met(payload, slabs, line.neg, (*nearest).t_min, (*nearest).t);
-        blocks += countOneBits(met);
-        while met != 0u {
-            let block = firstTrailingBit(met);
-            met &= met - 1u;
-            test_block(list.x + block, shear, nearest);
+    loop {
+        if waiting == 0u {
+            if depth == 0u {
+                break;
+            }
+            depth -= 1u;
+            if depth == 0u {
+                part = all;
+            }
+            node = path[depth].x;
+            waiting = path[depth].y;
+            continue;
         }
-        number = list.y;
+        let slot = firstTrailingBit(waiting) ^ line.neg;
+        waiting &= waiting - 1u;
+        let child = word(((node + CHILDREN_QUAD) << 2u) + slot);
+        if child == NONE {
+            continue;
+        }
+        var met = part;
+        if depth == 0u || is_hit(*nearest) {
+            met = clip_slot(node, slot, slabs, line.neg, part.x, min(part.y, (*nearest).t));
+            // A nearer hit was found since the node was entered.
+            if met.x > met.y {
+                continue;
+            }
+        }
+        if child > NUMBERS {
+            test_block(child & NUMBERS, shear, nearest);
+            blocks += 1u;
+            continue;
+        }
+        if depth == 0u {
+            part = met;
+        }
+        path[depth] = vec2<u32>(node, waiting);
+        depth += 1u;
+        node = setup.bvh + child * NODE_QUADS;
+        waiting = in_order(boxes_met(node, slabs, line.neg, part.x, min(part.y, (*nearest).t)), line.neg);
     }
     return blocks;
 }

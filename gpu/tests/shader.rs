@@ -95,7 +95,7 @@ fn structs_have_the_offsets_of_rust() {
     assert_eq!(layout(&tracing, "Hit"), of_rust!(DeviceHit, t, u, v, primitive));
     assert_eq!(layout(&tracing, "Answer"), of_rust!(DeviceAnswer, hit, cells, blocks, unused_0, unused_1));
     let setup =
-        of_rust!(OctreeSetup, records, payloads, blocks, grid, corner, grid_bits, hull_lower, zero, hull_upper, unused);
+        of_rust!(OctreeSetup, records, payloads, blocks, grid, corner, grid_bits, hull_lower, zero, hull_upper, bvh);
     assert_eq!(layout(&tracing, "Setup"), setup);
     assert_eq!(layout(&checks, "Setup"), of_rust!(MapSetup, first, zero, unused_0, unused_1));
 }

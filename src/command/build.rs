@@ -30,12 +30,16 @@ pub(crate) struct BuildArgs {
     #[arg(long, conflicts_with = "step_cost")]
     for_walks: bool,
 
+    /// Make an octree of a single leaf and the smallest file, for CPUs, which descend the BVH.
+    #[arg(long, conflicts_with_all = ["for_walks", "step_cost", "max_level"])]
+    for_descents: bool,
+
     /// Cost of a step over that of a triangle test, at least 0.5: lower makes smaller leaves, and a larger file. The
     /// default is 192.
     #[arg(long, value_name = "COST", value_parser = step_cost)]
     step_cost: Option<f32>,
 
-    /// References that the leaves may list for each triangle of the mesh, at least 1.
+    /// How many leaves may meet a triangle, on average, at least 1.
     #[arg(long, value_name = "REFERENCES", value_parser = budget)]
     budget: Option<f32>,
 
@@ -84,7 +88,11 @@ fn at_least(least: f32, argument: &str) -> Result<f32, String> {
 
 impl BuildArgs {
     fn builder(&self) -> Builder {
-        let mut builder = if self.for_walks { Builder::for_walks() } else { Builder::new() };
+        let mut builder = match (self.for_walks, self.for_descents) {
+            (true, _) => Builder::for_walks(),
+            (_, true) => Builder::for_descents(),
+            _ => Builder::new(),
+        };
         if let Some(level) = self.max_level {
             builder = builder.max_level(level);
         }

@@ -51,20 +51,16 @@ fn add_leaves(report: &mut Report, octree: &Octree<Vec<u32>>) {
     let stats = octree.stats();
     report.add("empty_leaves", "leaves, empty", stats.empty_leaves);
     report.add("inner_nodes", "inner nodes", stats.inner);
-    report.add("blocks", "blocks of 8", stats.blocks);
     let deepest = stats.leaves_at_level.iter().rposition(|leaves| *leaves > 0).unwrap_or(0);
     report.add("levels", "deepest level", deepest);
     let at_level = &stats.leaves_at_level[..=deepest];
     let lines = (0..).zip(at_level).filter(|(_, leaves)| **leaves > 0);
     let text = lines.map(|(level, leaves)| format!("level {level:>2}: {leaves}\n"));
     report.add_as("leaves_at_level", "leaves by level", json!(at_level), text.collect::<String>());
-    let most = stats.leaves_by_blocks.len() - 1;
-    let text = (0..).zip(&stats.leaves_by_blocks).map(|(blocks, leaves)| match blocks {
-        1 => format!(" 1 block:  {leaves}\n"),
-        _ if blocks == most => format!("more:      {leaves}\n"),
-        _ => format!("{blocks:>2} blocks: {leaves}\n"),
-    });
-    report.add_as("leaves_by_blocks", "leaves by size", json!(stats.leaves_by_blocks), text.collect::<String>());
+    let lines = (0..).zip(&stats.leaves_by_entries);
+    let text = lines
+        .map(|(entries, leaves)| format!("{entries} {}: {leaves}\n", if entries == 1 { "entry  " } else { "entries" }));
+    report.add_as("leaves_by_entries", "leaves by size", json!(stats.leaves_by_entries), text.collect::<String>());
 }
 
 /// Lengths are given in the caller's units.

@@ -58,7 +58,7 @@ impl Report {
         self.add("dropped", "triangles dropped", stats.dropped);
         self.add("collapsed", "of which collapsed", stats.collapsed);
         self.add("leaves", "leaves", stats.leaves);
-        self.add("references", "references", stats.references);
+        self.add("blocks", "blocks of 8", stats.blocks);
         let bytes = size_of_val(octree.as_words());
         self.add("bytes", "bytes", bytes);
         let each = (stats.primitives > 0).then(|| bytes as f64 / f64::from(stats.primitives));

@@ -41,7 +41,7 @@ impl Surfaces {
     pub(crate) fn new<W: AsRef<[u32]>>(octree: &Octree<W>, materials: Vec<Material>) -> Self {
         let parts = octree.parts();
         let mut corners = vec![[Vec3::ZERO; 3]; parts.header.primitives as usize];
-        for Triangle { primitive, corners: lattice } in parts.leaves().flat_map(|(_, leaf)| parts.triangles_of(leaf)) {
+        for Triangle { primitive, corners: lattice } in parts.triangles() {
             if let Some(corners) = corners.get_mut(primitive as usize) {
                 *corners = lattice.map(|corner| DVec3::from(parts.frame.to_caller(corner)).as_vec3());
             }

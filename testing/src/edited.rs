@@ -1,7 +1,7 @@
 //! The words of an octree, to be spoiled section by section and sealed again.
 
 use leafwalk_core::layout::Section;
-use leafwalk_core::layout::{Block, BvhNode, IndexedBlock, Payload, Record};
+use leafwalk_core::layout::{Block, BvhNode, IndexedBlock, Record};
 use leafwalk_core::wire::{self, Header, Spans, TABLE_ROW};
 use leafwalk_core::{DecodeError, Octree};
 
@@ -44,7 +44,7 @@ impl Edited {
     }
 
     /// The payloads of the leaves.
-    pub fn payloads(&mut self) -> &mut [Payload] {
+    pub fn payloads(&mut self) -> &mut [BvhNode] {
         bytemuck::cast_slice_mut(self.section(Section::Payloads))
     }
 

@@ -18,6 +18,7 @@
 //! depend on it in their tests.
 
 pub mod edited;
+pub mod listing;
 pub mod meshes;
 pub mod number;
 pub mod properties;

@@ -3,6 +3,7 @@
 
 use core::marker::PhantomData;
 
+use crate::listing::triangles_of;
 use leafwalk_core::lanes::Lanes;
 use leafwalk_core::layout::Triangle;
 use leafwalk_core::step::Step;
@@ -103,10 +104,7 @@ impl<L: Lanes<Mask = bool, Bits = u32>> Every<'_, L> {
     /// Collects the triangles of an octree.
     pub fn of<W: AsRef<[u32]>>(octree: &Octree<W>) -> Self {
         let parts = octree.parts();
-        let mut triangles: Vec<_> = parts.leaves().flat_map(|(_, leaf)| parts.triangles_of(leaf)).collect();
-        triangles.sort_unstable_by_key(|triangle| triangle.primitive);
-        triangles.dedup_by_key(|triangle| triangle.primitive);
-        Self { frame: parts.frame, triangles, kind: PhantomData }
+        Self { frame: parts.frame, triangles: parts.triangles().collect(), kind: PhantomData }
     }
 
     fn answer(&self, ray: &Ray) -> Option<Hit> {
@@ -135,7 +133,7 @@ impl<'a, L: Lanes<Mask = bool, Bits = u32>> Visited<'a, L> {
     fn answer(&self, ray: &Ray) -> Option<Hit> {
         let mut triangles = Vec::new();
         Walk::new(self.parts).visit(ray, |record, _| {
-            triangles.extend(self.parts.triangles_of(&self.parts.records[record as usize]));
+            triangles.extend(triangles_of(self.parts, &self.parts.records[record as usize]));
         });
         closest::<L>(&self.parts.frame.canonical(ray)?, triangles.into_iter())
     }

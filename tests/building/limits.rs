@@ -26,10 +26,9 @@ fn references_stay_within_the_budget() {
         for budget in [1.0, 1.5, 2.0, 4.0, 8.0] {
             let octree =
                 Builder::new().step_cost(0.5).reference_budget(budget).build(&mesh).expect("a mesh that builds");
-            let references = octree.stats().references as usize;
+            let references = verify(&octree).expect("an octree that verifies").references as usize;
             let limit = ((f64::from(budget) * mesh.triangles.len() as f64) as usize).max(LEAST_BUDGET);
             assert!(references <= limit, "{name}, budget {budget}: {references} references, limit {limit}");
-            verify(&octree).expect("an octree that verifies");
             most.push(references);
         }
         assert!(most.is_sorted(), "{name}: a larger budget is to give no fewer references: {most:?}");
@@ -152,9 +151,12 @@ fn settings_out_of_range_are_errors() {
 #[test]
 fn octrees_know_whether_they_suit_walks() {
     let mesh = meshes::soup(200, 56);
-    for (builder, suits) in
-        [(Builder::new(), false), (Builder::for_walks(), true), (Builder::for_walks().step_cost(8.0), true)]
-    {
+    for (builder, suits) in [
+        (Builder::new(), false),
+        (Builder::for_walks(), true),
+        (Builder::for_descents(), false),
+        (Builder::for_walks().step_cost(8.0), true),
+    ] {
         assert_eq!(Builder::suits_walks(&builder.build(&mesh).expect("a mesh that builds")), suits);
     }
 }

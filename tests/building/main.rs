@@ -1,6 +1,6 @@
 //! The builder: what it makes of any mesh, within which limits, and that its lists are complete.
 
-mod chains;
+mod full_leaves;
 mod inputs;
 mod limits;
 mod listing;

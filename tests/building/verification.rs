@@ -2,7 +2,7 @@
 
 use leafwalk::{Builder, Mesh, Octree, VerifyError, verify, verify_against};
 use leafwalk_core::layout::Section;
-use leafwalk_core::layout::{Child, NONE, Payload};
+use leafwalk_core::layout::{Child, NONE};
 use leafwalk_cpu::testing::{Spoiled, spoil};
 use leafwalk_testing::edited::Edited;
 use leafwalk_testing::meshes;
@@ -19,7 +19,7 @@ fn what_is_built_verifies() {
     let verified = verify(&octree).expect("an octree that verifies");
     let stats = octree.stats();
     assert_eq!(verified.triangles, u64::from(stats.primitives - stats.dropped));
-    assert_eq!(verified.references, u64::from(stats.references));
+    assert!(verified.references > verified.triangles);
     assert_eq!(verify_against(&octree, &mesh), Ok(verified));
 }
 
@@ -34,43 +34,45 @@ fn triangles_binned_without_padding_are_found() {
     assert!(matches!(error, VerifyError::MissingReference { .. } | VerifyError::SmallBox { .. }), "{error}");
 }
 
-/// Takes a lane out of a block, and out of the header's count.
-fn remove(file: &mut Edited, block: usize, lane: usize) {
-    file.header().references -= 1;
-    let block = &mut file.blocks()[block];
-    block.primitives[lane] = NONE;
-    block.vertices.as_flattened_mut().iter_mut().for_each(|axis| axis[lane] = axis[0]);
-}
-
 #[test]
-fn a_missing_reference_is_found() {
+fn a_missing_entry_is_found() {
     let (_, octree) = scene();
     let valid = Edited::new(&octree);
     let parts = octree.parts();
-    let owner = |block: usize| {
-        let holds = |payload: &Payload| (payload.first as usize..).take(payload.count as usize).any(|b| b == block);
-        parts.leaves().find(|(_, leaf)| parts.payloads_of(leaf).any(holds)).expect("every block has a leaf").0
-    };
-    let count =
-        |primitive: u32| parts.blocks.iter().flat_map(|block| block.primitives).filter(|p| *p == primitive).count();
-    let mut alone = 0;
-    for (number, block) in parts.blocks.iter().enumerate().step_by(7) {
-        let lane = 1 + number % 7;
-        let primitive = block.primitives[lane];
-        if primitive == NONE {
-            continue;
-        }
-        let octree = valid.decode_with(|file| remove(file, number, lane)).expect("words that decode");
-        let error = verify(&octree).expect_err("an octree that does not verify");
-        if count(primitive) > 1 {
-            assert_eq!(error, VerifyError::MissingReference { leaf: owner(number), primitive });
-        } else {
-            // Listed nowhere else: then it is the count that is wrong.
-            alone += 1;
-            assert!(matches!(error, VerifyError::TriangleCount { .. }), "{error}");
-        }
+    let mut tried = 0;
+    for (number, leaf) in parts.leaves().filter(|(_, leaf)| leaf.head().t_count() > 0).step_by(7) {
+        let payload = leaf.offset as usize;
+        let used = |slot: &usize| parts.payloads[payload].child(*slot).1 != Child::Vacant;
+        let slots: Vec<usize> = (0..8).filter(used).collect();
+        // Twice the same, and not the other: as many as the leaf says.
+        let [first, second, ..] = slots[..] else { continue };
+        let (boxed, child) = parts.payloads[payload].child(first);
+        let twice =
+            valid.decode_with(|file| file.payloads()[payload].put(second, boxed, child)).expect("words that decode");
+        let error = verify(&twice).expect_err("an octree that does not verify");
+        assert!(matches!(error, VerifyError::MissingReference { leaf, .. } if leaf == number), "{error}");
+        tried += 1;
     }
-    println!("{alone} triangles were listed once");
+    assert!(tried > 20, "{tried}");
+}
+
+#[test]
+fn a_triangle_in_two_lanes_is_found() {
+    let (_, octree) = scene();
+    let valid = Edited::new(&octree);
+    for (number, block) in
+        octree.blocks().iter().enumerate().filter(|(_, block)| block.primitives[1] != NONE).step_by(7)
+    {
+        let primitive = block.primitives[0];
+        let twice = valid
+            .decode_with(|file| {
+                let block = &mut file.blocks()[number];
+                block.primitives[1] = primitive;
+                block.vertices.as_flattened_mut().iter_mut().for_each(|axis| axis[1] = axis[0]);
+            })
+            .expect("words that decode");
+        assert_eq!(verify(&twice), Err(VerifyError::ListedTwice { primitive }));
+    }
 }
 
 #[test]
@@ -80,15 +82,16 @@ fn a_box_that_is_too_small_is_found() {
     let mut shrunk = 0;
     for (number, payload) in octree.parts().payloads.iter().enumerate().step_by(5) {
         for k in 0..3 {
-            if payload.sides[k][0][0] == payload.sides[k][1][0] {
+            let slot = (0..8).find(|slot| payload.child(*slot).1 != Child::Vacant).expect("an entry");
+            if payload.sides[k][0][slot] == payload.sides[k][1][slot] {
                 continue;
             }
             let smaller =
-                valid.decode_with(|file| file.payloads()[number].sides[k][1][0] -= 1).expect("words that decode");
+                valid.decode_with(|file| file.payloads()[number].sides[k][1][slot] -= 1).expect("words that decode");
             let error = verify(&smaller).expect_err("an octree that does not verify");
             assert!(matches!(error, VerifyError::SmallBox { .. }), "payload {number}: {error}");
             let smaller =
-                valid.decode_with(|file| file.payloads()[number].sides[k][0][0] += 1).expect("words that decode");
+                valid.decode_with(|file| file.payloads()[number].sides[k][0][slot] += 1).expect("words that decode");
             let error = verify(&smaller).expect_err("an octree that does not verify");
             assert!(matches!(error, VerifyError::SmallBox { .. }), "payload {number}: {error}");
             shrunk += 1;
@@ -98,40 +101,37 @@ fn a_box_that_is_too_small_is_found() {
 }
 
 #[test]
-fn a_block_that_the_bvh_does_not_lead_to_is_found() {
-    let (_, octree) = scene();
+fn a_box_of_a_block_that_is_too_small_is_found() {
+    // So few blocks that one node leads to them.
+    let octree = Builder::new().build(&meshes::soup(40, 81)).expect("a mesh that builds");
     let valid = Edited::new(&octree);
     let mut tried = 0;
-    for (number, node) in octree.parts().bvh.iter().enumerate() {
-        for slot in 0..8 {
-            let (boxed, Child::Block(block)) = node.child(slot) else { continue };
-            // Another block twice: as many are led to as there are.
-            let other = (block + 1) % octree.stats().blocks;
-            let octree = valid
-                .decode_with(|file| file.bvh()[number].put(slot, boxed, Child::Block(other)))
-                .expect("words that decode");
-            assert!(matches!(verify(&octree), Err(VerifyError::LostBlock { .. })), "block {block}");
-            tried += 1;
-        }
-    }
     // Smaller boxes decode only where those of the nodes above become smaller, too: at the first.
     for slot in 0..8 {
-        let (boxed, Child::Block(block)) = octree.parts().bvh[0].child(slot) else { continue };
+        let (boxed, child) = octree.parts().bvh[0].child(slot);
+        let Child::Block(block) = child else { continue };
         for k in (0..3).filter(|k| boxed.lower[*k] < boxed.upper[*k]) {
-            let smaller = valid.decode_with(|file| file.bvh()[0].sides[k][1][slot] -= 1).expect("words that decode");
-            assert_eq!(verify(&smaller), Err(VerifyError::LostBlock { block }));
-            let smaller = valid.decode_with(|file| file.bvh()[0].sides[k][0][slot] += 1).expect("words that decode");
-            assert_eq!(verify(&smaller), Err(VerifyError::LostBlock { block }));
+            for (side, inward) in [(0, 1), (1, u16::MAX)] {
+                let shrink = |file: &mut Edited| {
+                    let side = &mut file.bvh()[0].sides[k][side][slot];
+                    *side = side.wrapping_add(inward);
+                };
+                let smaller = valid.decode_with(shrink).expect("words that decode");
+                let is_named =
+                    |error: VerifyError| matches!(error, VerifyError::SmallBlockBox { block: b, .. } if b == block);
+                assert!(is_named(verify(&smaller).expect_err("an octree that does not verify")));
+                tried += 1;
+            }
         }
     }
-    assert!(tried > 30, "{tried}");
+    assert!(tried > 5, "{tried}");
 }
 
 #[test]
 fn a_moved_corner_is_found() {
     let (mesh, octree) = scene();
     let valid = Edited::new(&octree);
-    let (mut tried, mut inconsistent, mut unlike) = (0, 0, 0);
+    let mut tried = 0;
     for (number, block) in octree.parts().blocks.iter().enumerate().step_by(5) {
         // Vacant lanes repeat the first.
         if block.primitives[1] == NONE {
@@ -143,12 +143,12 @@ fn a_moved_corner_is_found() {
                 *c = c.next_up();
             })
             .expect("words that decode");
-        // Two leaves contradict each other, or else only the mesh can tell.
+        // A triangle stands in the file once, so only the mesh can tell.
         tried += 1;
-        inconsistent += usize::from(matches!(verify(&moved), Err(VerifyError::CornersDiffer { .. })));
-        unlike += usize::from(verify_against(&moved, &mesh).is_err());
+        let error = verify_against(&moved, &mesh).expect_err("another mesh");
+        assert_eq!(error, VerifyError::OtherMesh { what: "corners", primitive: Some(block.primitives[1]) });
     }
-    assert!(tried > 20 && unlike == tried && inconsistent > tried / 2, "{inconsistent} and {unlike} of {tried}");
+    assert!(tried > 8, "{tried}");
 }
 
 #[test]
@@ -223,18 +223,4 @@ fn materials_are_compared() {
     verify(&repainted).expect("an octree that verifies");
     let error = verify_against(&repainted, &mesh).expect_err("an octree that does not verify");
     assert_eq!(error, VerifyError::OtherMesh { what: "list of materials", primitive: None });
-}
-
-#[test]
-fn counts_of_a_hostile_header_cost_no_memory() {
-    let (_, octree) = scene();
-    let hostile = Edited::new(&octree)
-        .decode_with(|file| {
-            file.header().primitives = NONE - 1;
-            (file.header().dropped, file.header().collapsed) = (0, 0);
-        })
-        .expect("words that decode");
-    let listed = u64::from(octree.stats().primitives - octree.stats().dropped);
-    let expected = VerifyError::TriangleCount { listed, expected: u64::from(NONE - 1) };
-    assert_eq!(verify(&hostile), Err(expected));
 }

@@ -44,7 +44,7 @@ fn a_mesh_is_built_looked_into_verified_and_traced() {
     assert_eq!(built["triangles"], mesh.triangles.len());
     assert_eq!(built["dropped"], 0);
     assert_eq!(built["leaves"], octree.stats().leaves);
-    assert_eq!(built["references"], octree.stats().references);
+    assert_eq!(built["blocks"], octree.stats().blocks);
     assert_eq!(built["bytes"], bytes);
     assert_eq!(built["bytes_per_triangle"], bytes as f64 / mesh.triangles.len() as f64);
     assert!(built["build_seconds"].as_f64().is_some_and(|seconds| seconds > 0.0));
@@ -56,7 +56,7 @@ fn a_mesh_is_built_looked_into_verified_and_traced() {
     assert_eq!(info["checksum"], format!("{:08x}", checksum(octree.as_words())));
     let leaves = info["leaves_at_level"].as_array().expect("a list").iter().filter_map(|leaves| leaves.as_u64());
     assert_eq!(leaves.sum::<u64>(), u64::from(octree.stats().leaves));
-    let leaves = info["leaves_by_blocks"].as_array().expect("a list").iter().filter_map(|leaves| leaves.as_u64());
+    let leaves = info["leaves_by_entries"].as_array().expect("a list").iter().filter_map(|leaves| leaves.as_u64());
     assert_eq!(leaves.sum::<u64>(), u64::from(octree.stats().leaves));
     assert_eq!(info["frame_edge"], octree.parts().frame.scale());
     let sections = info["sections"].as_array().expect("a list");
@@ -111,7 +111,7 @@ fn a_compact_octree_answers_as_a_packed_one() {
     let built = shell.json("build sphere.obj -o compact.lwk --compact");
     let compact = shell.json("info compact.lwk");
     assert_eq!((&packed["compact"], &compact["compact"]), (&false.into(), &true.into()));
-    assert_eq!((&compact["triangles"], &compact["references"]), (&packed["triangles"], &packed["references"]));
+    assert_eq!((&compact["triangles"], &compact["blocks"]), (&packed["triangles"], &packed["blocks"]));
     let bytes = [&compact, &packed].map(|info| info["bytes"].as_u64().expect("a number"));
     assert!(5 * bytes[0] < 3 * bytes[1] && built["bytes"] == bytes[0], "{bytes:?}");
 

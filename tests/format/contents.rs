@@ -1,12 +1,12 @@
 //! Header fields, payloads, blocks, entry grid.
 
-use leafwalk::DecodeError;
 use leafwalk::wire::Header;
+use leafwalk::{DecodeError, RecordFault};
 use leafwalk_core::contract::PADDING;
-use leafwalk_core::layout::{Block, LATTICE, NONE, Payload};
+use leafwalk_core::layout::{BVH_WIDTH, Block, BvhNode, Child, Key, LATTICE, LatticeBox, NONE};
 use leafwalk_testing::edited::Edited;
 
-use crate::{chains, compact, levels, no_coordinates, refused};
+use crate::{compact, levels, no_coordinates, nodes, refused};
 
 #[test]
 fn header_fields_are_in_range() {
@@ -18,7 +18,7 @@ fn header_fields_are_in_range() {
     };
     let far = f64::from(f32::MAX).next_up();
     type Edit = Box<dyn Fn(&mut Header)>;
-    let edits: [(&str, Edit); 25] = [
+    let edits: [(&str, Edit); 24] = [
         ("scale exponent", Box::new(|header| header.scale_exponent = -150)),
         ("scale exponent", Box::new(|header| header.scale_exponent = 132)),
         ("scale exponent", Box::new(|header| header.scale_exponent = i32::MIN)),
@@ -34,8 +34,7 @@ fn header_fields_are_in_range() {
         ("primitives", Box::new(|header| header.primitives = NONE)),
         ("dropped", Box::new(|header| header.dropped = header.primitives + 1)),
         ("collapsed", Box::new(|header| header.collapsed = header.dropped + 1)),
-        ("references", Box::new(|header| header.references += 1)),
-        ("references", Box::new(|header| header.references = u32::MAX)),
+        ("dropped", Box::new(|header| header.dropped += 1)),
         ("rounding", Box::new(|header| header.rounding = -1.0)),
         ("rounding", Box::new(|header| header.rounding = f32::NAN)),
         ("rounding", Box::new(|header| header.rounding = LATTICE as f32 + 1.0)),
@@ -55,97 +54,104 @@ fn header_fields_are_in_range() {
 }
 
 #[track_caller]
-fn expect_bad_payload(valid: &Edited, payload: usize, edit: impl Fn(&mut Payload)) {
+fn expect_bad_payload(valid: &Edited, payload: usize, edit: impl Fn(&mut BvhNode)) {
     let error = refused(valid, |file| edit(&mut file.payloads()[payload]));
-    // Count and chain of a first payload are also the record's; cut short, what follows is another's, or left over.
-    let in_record = matches!(error, DecodeError::BadRecord { fault: leafwalk::RecordFault::Payload, .. });
-    let named = matches!(error, DecodeError::BadPayload { .. });
-    let is_left_over = matches!(error, DecodeError::SectionLength { .. });
-    assert!(named || in_record || is_left_over, "payload {payload}: {error}");
+    assert_eq!(error, DecodeError::BadPayload { payload: payload as u32 });
 }
 
 #[test]
-fn payloads_take_up_the_blocks_in_order() {
-    for mut valid in [levels(), chains(), compact()] {
+fn payloads_have_as_many_entries_as_their_leaves_say() {
+    for mut valid in [levels(), nodes(), compact()] {
         let payloads = valid.payloads().to_vec();
         for (number, payload) in payloads.iter().enumerate() {
-            for count in [0, 9, u32::MAX, payload.count ^ 1] {
-                expect_bad_payload(&valid, number, |payload| payload.count = count);
-            }
-            for word in 0..2 {
-                expect_bad_payload(&valid, number, |payload| payload.unused[word] = 1);
-            }
-            for first in [payload.first.wrapping_sub(1), payload.first + 1, u32::MAX, u32::MAX - 7] {
-                expect_bad_payload(&valid, number, |payload| payload.first = first);
-            }
-            // Chained to itself, back, ahead, out of range; and cut, or made, where there is no chain.
-            let at = number as u32;
-            for next in [at, at.wrapping_sub(1), 0, at + 1, at + 2, payloads.len() as u32, NONE - 1, NONE] {
-                if next != payload.next {
-                    expect_bad_payload(&valid, number, |payload| payload.next = next);
-                }
+            for slot in 0..BVH_WIDTH {
+                // One less, or one more that is as good as another.
+                let used = (0..BVH_WIDTH).find(|slot| payload.child(*slot).1 != Child::Vacant).expect("an entry");
+                let (boxed, child) = payload.child(used);
+                let error = refused(&valid, |file| match payload.child(slot).1 {
+                    Child::Vacant => file.payloads()[number].put(slot, boxed, child),
+                    _ => file.payloads()[number].put(slot, LatticeBox::VACANT, Child::Vacant),
+                });
+                assert!(matches!(error, DecodeError::BadRecord { fault: RecordFault::Payload, .. }), "{error}");
             }
         }
     }
 }
 
 #[test]
-fn boxes_hold_each_other() {
-    for mut valid in [levels(), chains()] {
+fn entries_lead_to_what_there_is() {
+    let mut kinds = [0; 2];
+    for mut valid in [levels(), nodes(), compact()] {
         let payloads = valid.payloads().to_vec();
+        let (nodes, blocks) = (valid.bvh().len() as u32, valid.decode().expect("words that decode").stats().blocks);
         for (number, payload) in payloads.iter().enumerate() {
-            for k in 0..3 {
-                // The tight box, inside out or shrunk past the boxes it holds.
-                if payload.upper[k] < u16::MAX {
-                    expect_bad_payload(&valid, number, |payload| payload.lower[k] = payload.upper[k] + 1);
+            for slot in 0..BVH_WIDTH {
+                let (boxed, child) = payload.child(slot);
+                if child == Child::Vacant {
+                    // Its box is the one that few rays meet.
+                    expect_bad_payload(&valid, number, |payload| payload.sides[0][0][slot] ^= 1);
+                    continue;
                 }
-                if payload.lower[k] > 0 {
-                    expect_bad_payload(&valid, number, |payload| payload.upper[k] = payload.lower[k] - 1);
+                kinds[usize::from(matches!(child, Child::Block(_)))] += 1;
+                for other in [blocks, Child::NUMBERS - 1] {
+                    expect_bad_payload(&valid, number, |payload| payload.put(slot, boxed, Child::Block(other)));
                 }
-                for b in 0..8 {
-                    let (lower, upper) = (payload.sides[k][0][b], payload.sides[k][1][b]);
-                    // Those not in use are empty.
-                    if b >= payload.count as usize {
-                        expect_bad_payload(&valid, number, |payload| payload.sides[k][0][b] ^= 1);
-                        expect_bad_payload(&valid, number, |payload| payload.sides[k][1][b] ^= 1);
-                        continue;
-                    }
-                    if payload.upper[k] < u16::MAX {
-                        expect_bad_payload(&valid, number, |payload| payload.sides[k][1][b] = payload.upper[k] + 1);
-                    }
-                    if payload.lower[k] > 0 {
-                        expect_bad_payload(&valid, number, |payload| payload.sides[k][0][b] = payload.lower[k] - 1);
-                    }
-                    if upper < u16::MAX {
-                        expect_bad_payload(&valid, number, |payload| payload.sides[k][0][b] = upper + 1);
-                    }
-                    if lower > 0 {
-                        expect_bad_payload(&valid, number, |payload| payload.sides[k][1][b] = lower - 1);
-                    }
+                for other in [nodes, Child::NUMBERS] {
+                    expect_bad_payload(&valid, number, |payload| payload.put(slot, boxed, Child::Node(other)));
                 }
             }
         }
     }
+    assert!(kinds.iter().all(|count| *count > 20), "{kinds:?}");
 }
 
 #[test]
-fn the_first_box_of_a_chain_holds_them_all() {
-    let mut valid = chains();
-    let payloads = valid.payloads().to_vec();
-    let continues = |number: usize| payloads.iter().any(|payload| payload.next as usize == number);
-    let mut tried = 0;
-    for number in (0..payloads.len()).filter(|number| payloads[*number].next != NONE && !continues(*number)) {
-        let (first, second) = (&payloads[number], &payloads[payloads[number].next as usize]);
-        for k in (0..3).filter(|k| second.upper[*k] > 0) {
-            let own = first.sides[k][1][..first.count as usize].iter().copied().max().expect("a block");
-            if own < second.upper[k] {
-                let error = refused(&valid, |file| file.payloads()[number].upper[k] = own);
-                assert!(matches!(error, DecodeError::BadPayload { .. }), "{error}");
-                tried += 1;
+fn boxes_of_entries_lie_in_their_cells_and_nodes() {
+    let mut outside_node = 0;
+    for mut valid in [levels(), nodes()] {
+        let (payloads, bvh) = (valid.payloads().to_vec(), valid.bvh().to_vec());
+        let octree = valid.decode().expect("words that decode");
+        let listing = octree.parts().leaves().filter(|(_, leaf)| leaf.head().t_count() > 0);
+        let keys: Vec<(usize, Key)> =
+            listing.map(|(number, leaf)| (leaf.offset as usize, octree.parts().key(number))).collect();
+        for (number, key) in keys {
+            let payload = &payloads[number];
+            for (slot, k) in (0..BVH_WIDTH).flat_map(|slot| (0..3).map(move |k| (slot, k))) {
+                let (LatticeBox { lower, upper }, child) = payload.child(slot);
+                if child == Child::Vacant {
+                    continue;
+                }
+                // The wrong way round.
+                if upper[k] < u16::MAX {
+                    expect_bad_payload(&valid, number, |payload| payload.sides[k][0][slot] = upper[k] + 1);
+                }
+                if lower[k] > 0 {
+                    expect_bad_payload(&valid, number, |payload| payload.sides[k][1][slot] = lower[k] - 1);
+                }
+                // A step outside the cell.
+                let (first, last) = (key.corner[k], key.corner[k] + key.size() - 1);
+                if first > 0 {
+                    expect_bad_payload(&valid, number, |payload| payload.sides[k][0][slot] = first as u16 - 1);
+                }
+                if last < LATTICE - 1 {
+                    expect_bad_payload(&valid, number, |payload| payload.sides[k][1][slot] = last as u16 + 1);
+                }
+                // Two steps outside the node.
+                if let Child::Node(node) = child {
+                    let hull = bvh[node as usize].hull();
+                    if let Some(side) = hull.lower[k].checked_sub(2) {
+                        outside_node += 1;
+                        expect_bad_payload(&valid, number, |payload| payload.sides[k][0][slot] = side);
+                    }
+                    if let Some(side) = hull.upper[k].checked_add(2) {
+                        outside_node += 1;
+                        expect_bad_payload(&valid, number, |payload| payload.sides[k][1][slot] = side);
+                    }
+                }
             }
         }
     }
-    assert!(tried > 3, "the chains are to spread beyond their first payloads: {tried}");
+    assert!(outside_node > 20, "{outside_node}");
 }
 
 #[test]
@@ -165,7 +171,7 @@ fn blocks_hold_triangles_of_the_mesh_inside_the_root() {
                 for value in [1.0, f32::from_bits(1), f32::NAN] {
                     assert_eq!(set(value), expected);
                 }
-                assert_eq!(name(0), DecodeError::Header { field: "references" });
+                assert_eq!(name(0), DecodeError::Header { field: "dropped" });
                 continue;
             }
             for value in no_coordinates(root[axis]) {
@@ -174,21 +180,21 @@ fn blocks_hold_triangles_of_the_mesh_inside_the_root() {
             for primitive in [primitives, NONE - 1] {
                 assert_eq!(name(primitive), expected, "{primitive}");
             }
-            // A vacant lane repeats the first; two equal triangles look like that, but then the header counts one more.
+            // A vacant lane repeats the first; two equal triangles look like that, but then one is missing.
             let repeats = lane > 0 && block.corners(lane) == block.corners(0);
-            let expected = if repeats { DecodeError::Header { field: "references" } } else { expected };
+            let expected = if repeats { DecodeError::Header { field: "dropped" } } else { expected };
             assert_eq!(name(NONE), expected);
         }
     }
-    assert!(vacant > 20, "blocks are to have vacant lanes");
-    // A triangle taken out whole: the header counts it.
+    assert_eq!(vacant, 3, "the last block is to have vacant lanes");
+    // A triangle taken out whole: the header says how many there are.
     let fuller = blocks.iter().position(|block| block.primitives[1] != NONE).expect("a block of two triangles");
     let error = refused(&valid, |file| {
         let block = &mut file.blocks()[fuller];
         block.primitives[1] = NONE;
         block.vertices.as_flattened_mut().iter_mut().for_each(|axis| axis[1] = axis[0]);
     });
-    assert_eq!(error, DecodeError::Header { field: "references" });
+    assert_eq!(error, DecodeError::Header { field: "dropped" });
 }
 
 #[test]

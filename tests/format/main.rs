@@ -17,21 +17,21 @@ use leafwalk_core::layout::LATTICE;
 use leafwalk_testing::edited::Edited;
 use leafwalk_testing::meshes;
 
-/// Levels 0 to 6 or so, with neighbours of the same size, coarser and finer.
+/// Levels 0 to 4 or so, with neighbours of the same size, coarser and finer; the last of the blocks has vacant lanes.
 fn levels() -> Edited {
-    Edited::new(&Builder::new().step_cost(0.5).max_level(6).build(&meshes::soup(40, 21)).expect("a mesh that builds"))
+    Edited::new(&Builder::new().step_cost(0.5).max_level(4).build(&meshes::soup(145, 21)).expect("a mesh that builds"))
 }
 
-/// Eight leaves of over 64 triangles each: chained payloads.
-fn chains() -> Edited {
+/// Eight leaves of over 64 triangles each, which list nodes of the BVH.
+fn nodes() -> Edited {
     Edited::new(&Builder::new().step_cost(0.5).max_level(1).build(&meshes::soup(1500, 22)).expect("a mesh that builds"))
 }
 
-/// Four leaves or so of a compact octree, in blocks that share vertices.
+/// Four leaves or so of a compact octree, in blocks that share vertices; the last of them has one triangle.
 fn compact() -> Edited {
-    Edited::new(
-        &Builder::new().compact().step_cost(0.5).max_level(2).build(&meshes::icosphere(1)).expect("a mesh that builds"),
-    )
+    let mut mesh = meshes::icosphere(1);
+    mesh.triangles.truncate(73);
+    Edited::new(&Builder::new().compact().step_cost(0.5).max_level(2).build(&mesh).expect("a mesh that builds"))
 }
 
 /// Decodes after an edit, and expects an error.

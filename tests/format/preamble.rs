@@ -7,11 +7,11 @@ use leafwalk_core::layout::Section;
 use leafwalk_testing::edited::reseal;
 use leafwalk_testing::random::Random;
 
-use crate::{chains, compact, levels, refused};
+use crate::{compact, levels, nodes, refused};
 
 #[test]
 fn a_cut_file_is_truncated() {
-    let words = chains().words;
+    let words = nodes().words;
     for length in 0..words.len() {
         let needed = if length < PREAMBLE_WORDS { PREAMBLE_WORDS } else { words.len() };
         let expected = DecodeError::Truncated { words: length, needed };
@@ -25,7 +25,7 @@ fn a_cut_file_is_truncated() {
 
 #[test]
 fn a_cut_file_that_says_so_lacks_sections() {
-    for mut valid in [levels(), chains(), compact()] {
+    for mut valid in [levels(), nodes(), compact()] {
         let mut ends: Vec<usize> =
             Section::ALL.map(|section| (valid.row(section)[1] + valid.row(section)[2]) as usize).into();
         let content_end = ends.iter().copied().max().expect("a section");
@@ -166,7 +166,7 @@ fn a_section_must_stand_in_the_table_once() {
     }
     for section in [Section::Payloads, Section::Blocks] {
         let error = refused(&valid, |file| file.row(section)[0] = u32::from_le_bytes(*b"none"));
-        assert!(matches!(error, DecodeError::BadRecord { .. } | DecodeError::BadPayload { .. }), "{error}");
+        assert!(matches!(error, DecodeError::BadRecord { .. } | DecodeError::BadBvhNode { .. }), "{error}");
     }
     let error = refused(&valid, |file| file.row(Section::Bvh)[0] = u32::from_le_bytes(*b"none"));
     assert_eq!(error, DecodeError::SectionLength { section: Section::Bvh, words: 0 });
@@ -188,7 +188,7 @@ fn a_section_must_hold_whole_items_in_the_right_number() {
         let error = refused(&valid, |file| file.row(section)[2] = length - 1);
         assert_eq!(error, DecodeError::SectionLength { section, words: length - 1 });
     }
-    // One vacant item more than the leaves list.
+    // One item more than anything leads to.
     for section in [Section::Payloads, Section::Blocks] {
         let mut content = valid.clone().section(section).to_vec();
         let item = if section == Section::Payloads { 32 } else { 80 };

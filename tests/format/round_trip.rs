@@ -4,24 +4,24 @@ use leafwalk::wire::{self, Header, PREAMBLE_WORDS, TABLE_ROW};
 use leafwalk::{Builder, Hit, Mesh, Octree, Ray, Tracer, hit_hash};
 use leafwalk_core::layout::Section;
 use leafwalk_core::layout::{
-    BLOCK_WORDS, Block, INDEXED_BLOCK_WORDS, IndexedBlock, KEY_WORDS, Key, PAYLOAD_WORDS, Payload, RECORD_WORDS,
+    BLOCK_WORDS, BVH_NODE_WORDS, Block, BvhNode, INDEXED_BLOCK_WORDS, IndexedBlock, KEY_WORDS, Key, RECORD_WORDS,
     Record, SECTION_ALIGN,
 };
 use leafwalk_testing::random::Random;
 use leafwalk_testing::{meshes, rays};
 
-use crate::{chains, compact, levels};
+use crate::{compact, levels, nodes};
 
 #[test]
 fn items_have_the_sizes_of_the_format() {
     let words = size_of::<u32>();
     assert_eq!((size_of::<Record>(), RECORD_WORDS * words), (32, 32));
-    assert_eq!((size_of::<Payload>(), PAYLOAD_WORDS * words), (128, 128));
+    assert_eq!((size_of::<BvhNode>(), BVH_NODE_WORDS * words), (128, 128));
     assert_eq!((size_of::<Block>(), BLOCK_WORDS * words), (320, 320));
     assert_eq!((size_of::<IndexedBlock>(), INDEXED_BLOCK_WORDS * words), (84, 84));
     assert_eq!((size_of_val(&Key::ROOT.to_words()), KEY_WORDS * words), (8, 8));
-    assert_eq!((size_of::<Header>(), SECTION_ALIGN * words), (76, 64));
-    assert_eq!([align_of::<Record>(), align_of::<Payload>(), align_of::<Block>(), align_of::<Header>()], [words; 4]);
+    assert_eq!((size_of::<Header>(), SECTION_ALIGN * words), (72, 64));
+    assert_eq!([align_of::<Record>(), align_of::<BvhNode>(), align_of::<Block>(), align_of::<Header>()], [words; 4]);
 }
 
 fn traced<W: AsRef<[u32]>>(octree: &Octree<W>, mesh: &Mesh) -> u64 {
@@ -69,7 +69,7 @@ fn a_saved_octree_loads_as_it_was() {
 
 #[test]
 fn unknown_sections_are_skipped() {
-    for mut valid in [levels(), chains(), compact()] {
+    for mut valid in [levels(), nodes(), compact()] {
         // The same sections behind a longer table, with one of a later writer first and one last.
         let unknown = u32::from_le_bytes(*b"late");
         let mut rows = vec![(unknown, vec![0xdead_beef; 5])];
@@ -103,7 +103,7 @@ fn an_empty_mesh_is_an_octree_that_every_ray_misses() {
     let built = Builder::new().build(&Mesh::default()).expect("a mesh that builds");
     let octree = Octree::from_words(built.as_words()).expect("words that decode");
     let stats = octree.stats();
-    assert_eq!((stats.primitives, stats.references, stats.leaves, stats.empty_leaves), (0, 0, 1, 1));
+    assert_eq!((stats.primitives, stats.blocks, stats.leaves, stats.empty_leaves), (0, 0, 1, 1));
     let bounds = octree.bounds();
     assert!((0..3).all(|k| bounds.lower[k] > bounds.upper[k]), "{bounds:?}");
     for i in 0..2000 {

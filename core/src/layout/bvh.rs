@@ -1,4 +1,4 @@
-//! `BvhNode`: one node of the bounding volume hierarchy over all blocks.
+//! `BvhNode`: one node of the bounding volume hierarchy over all triangles, or what a leaf of the octree lists.
 
 use super::{LatticeBox, NONE};
 use crate::unroll;
@@ -50,9 +50,9 @@ impl Child {
     }
 }
 
-/// A node of the bounding volume hierarchy over all blocks: up to eight boxes with what they hold, 128 bytes.
+/// A node of the bounding volume hierarchy over all triangles: up to eight boxes with what they hold, 128 bytes.
 ///
-/// It serves who has no use for neighbours: rays that descend from the root, alone or many together. Children stand in
+/// Rays descend the hierarchy from its root, alone or many together, or from what a leaf of the octree lists. Children stand in
 /// slots by octant, such that a ray of octant `neg` meets those of low slot XOR `neg` first, as far as there is such an
 /// order (H. Ylitie, T. Karras and S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs",
 /// HPG 2017, <https://research.nvidia.com/publication/2017-07_efficient-incoherent-ray-traversal-gpus-through-compressed-wide-bvhs>).
@@ -83,6 +83,11 @@ impl BvhNode {
             (self.sides[k][0][slot], self.sides[k][1][slot]) = (boxed.lower[k], boxed.upper[k]);
         }
         self.children[slot] = child.to_word();
+    }
+
+    /// How many slots are in use.
+    pub fn count(&self) -> u32 {
+        self.children.iter().map(|word| u32::from(*word != NONE)).sum()
     }
 
     /// The box around all children.

@@ -34,6 +34,12 @@ impl LatticeBox {
         [self.lower.map(|step| f32::from(step) - margin), self.upper.map(|step| f32::from(step) + (1.0 + margin))]
     }
 
+    /// The box a step larger on each side, as far as the root reaches.
+    #[must_use]
+    pub fn grown(self) -> Self {
+        Self { lower: self.lower.map(|c| c.saturating_sub(1)), upper: self.upper.map(|c| c.saturating_add(1)) }
+    }
+
     /// Whether no side is the wrong way round.
     pub fn is_whole(self) -> bool {
         (0..3).all(|k| self.lower[k] <= self.upper[k])

@@ -1,13 +1,12 @@
 //! What the words of a file mean: every shared constant and bit field of the format, once.
 //!
-//! Each kind of item has its file: the octree's [`Record`]s with their [`Key`]s and [`Payload`]s, the [`BvhNode`]s, and
-//! the [`Block`]s of triangles that both structures lead to. `docs/format.md` shows how they stand in a file.
+//! Each kind of item has its file: the octree's [`Record`]s with their [`Key`]s, the [`BvhNode`]s, which are what leaves list
+//! as well, and the [`Block`]s of triangles that both structures lead to. `docs/format.md` shows how they stand in a file.
 
 mod block;
 mod bvh;
 mod key;
 mod lattice_box;
-mod payload;
 mod record;
 mod section;
 
@@ -15,10 +14,9 @@ pub use block::{BLOCK_WIDTH, BLOCK_WORDS, Block, INDEXED_BLOCK_WORDS, IndexedBlo
 pub use bvh::{BVH_NODE_WORDS, BVH_WIDTH, BvhNode, Child, MAX_DEPTH};
 pub use key::{KEY_WORDS, Key};
 pub use lattice_box::LatticeBox;
-pub use payload::{PAYLOAD_BLOCKS, PAYLOAD_WORDS, Payload};
 pub use record::{
-    CHAINED, INNER, LEVEL_MASK, LEVEL_SHIFT, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, LINK_SHIFT, RECORD_WORDS,
-    Record, RecordHead, T_COUNT_MASK,
+    INNER, LEVEL_MASK, LEVEL_SHIFT, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, LINK_SHIFT, RECORD_WORDS, Record,
+    RecordHead, T_COUNT_MASK,
 };
 pub use section::Section;
 
@@ -32,7 +30,7 @@ pub const MAX_LEVEL: u32 = 16;
 /// Lattice steps along the root's edge. A step is the edge of the smallest cell, and the unit of lattice coordinates.
 pub const LATTICE: u32 = 1 << MAX_LEVEL;
 
-/// Stands where there is no record, payload or primitive.
+/// Stands where there is no record, child or primitive.
 pub const NONE: u32 = u32::MAX;
 /// Sections start at multiples of this many words: one cache line.
 pub const SECTION_ALIGN: usize = 16;

@@ -12,8 +12,6 @@ pub const LINK_COARSER: u32 = 2;
 /// The neighbours are four leaves one level down; the link names the first of their eight siblings.
 pub const LINK_FINER: u32 = 3;
 
-/// `tCount` of a leaf whose payloads are chained.
-pub const CHAINED: u32 = 0xff;
 /// Bits of `tCount` in word 0 of a record.
 pub const T_COUNT_MASK: u32 = 0xff;
 /// Where the level starts in word 0 of a record.
@@ -31,7 +29,7 @@ const USED_BITS: u32 = (1 << 26) - 1;
 pub struct RecordHead(pub u32);
 
 impl RecordHead {
-    /// A leaf: blocks it lists (or [`CHAINED`]), its level, and the link kind of each face.
+    /// A leaf: entries of its payload, its level, and the link kind of each face.
     pub fn leaf(t_count: u32, level: u32, links: [u32; 6]) -> Self {
         let n_count = links.iter().rev().fold(0, |bits, kind| bits << 2 | kind);
         Self(t_count | level << LEVEL_SHIFT | n_count << LINK_SHIFT)
@@ -48,7 +46,7 @@ impl RecordHead {
         self.0 & INNER != 0
     }
 
-    /// Blocks listed: 0 to 8, or [`CHAINED`].
+    /// Entries of the leaf's payload, 0 to 8.
     #[inline]
     pub fn t_count(self) -> u32 {
         self.0 & T_COUNT_MASK

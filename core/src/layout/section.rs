@@ -10,9 +10,9 @@ pub enum Section {
     Records,
     /// One [`super::Key`] a record.
     Keys,
-    /// [`super::Payload`]s, leaf after leaf, depth first.
+    /// What leaves list, leaf after leaf, depth first: [`super::BvhNode`]s whose boxes are cut to the leaf's cell.
     Payloads,
-    /// [`super::Block`]s, leaf after leaf, depth first; empty in a compact octree.
+    /// [`super::Block`]s in the order in which the BVH leads to them; empty in a compact octree.
     Blocks,
     /// In a compact octree, [`super::IndexedBlock`]s instead, in the same order.
     IndexedBlocks,

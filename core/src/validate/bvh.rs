@@ -1,15 +1,17 @@
 //! The nodes form one tree over the blocks: no descent loops, outgrows its stack, or looks for what is not there.
 
 use super::wrong_length;
+use crate::blocks::{Blocks, Indexed};
 use crate::error::DecodeError;
-use crate::layout::{BVH_NODE_WORDS, BVH_WIDTH, Child, LatticeBox, MAX_DEPTH, Section};
+use crate::layout::{
+    BLOCK_WORDS, BVH_NODE_WORDS, BVH_WIDTH, Child, INDEXED_BLOCK_WORDS, LatticeBox, MAX_DEPTH, Section,
+};
 use crate::parts::Parts;
 
-/// A depth-first traversal must meet the nodes in such an order that each takes the next numbers for those that it
-/// leads to, by slot: so each but the first has exactly one parent.
+/// A depth-first traversal must meet the nodes in such an order that each takes the next numbers for the nodes and blocks that
+/// it leads to, by slot: so each but the first node, and each block, has exactly one parent.
 ///
-/// As many blocks are led to as there are. That these are all of them, and their boxes large enough, takes memory to
-/// prove, and is left to the verification.
+/// That the boxes of blocks are large enough is left to the verification.
 pub(super) fn check(parts: &Parts<'_>) -> Result<(), DecodeError> {
     let mut census = Census { parts, taken: 1, led_to: 0 };
     let wrong = Err(wrong_length(Section::Bvh, parts.bvh.len(), BVH_NODE_WORDS));
@@ -36,8 +38,18 @@ pub(super) fn check(parts: &Parts<'_>) -> Result<(), DecodeError> {
             census.enter(child)?;
         }
     }
-    let is_complete = census.taken as usize == parts.bvh.len() && census.led_to == parts.blocks.len();
-    if is_complete { Ok(()) } else { wrong }
+    if census.taken as usize != parts.bvh.len() {
+        return wrong;
+    }
+    if census.led_to == parts.blocks.len() {
+        return Ok(());
+    }
+    Err(match parts.blocks {
+        Blocks::Packed(blocks) => wrong_length(Section::Blocks, blocks.len(), BLOCK_WORDS),
+        Blocks::Indexed(Indexed { blocks, .. }) => {
+            wrong_length(Section::IndexedBlocks, blocks.len(), INDEXED_BLOCK_WORDS)
+        }
+    })
 }
 
 /// What nodes have led to so far.
@@ -63,8 +75,9 @@ impl Census<'_> {
         match child {
             Child::Vacant => boxed == LatticeBox::VACANT,
             Child::Block(block) => {
+                let is_next = block as usize == self.led_to && self.led_to < self.parts.blocks.len();
                 self.led_to += 1;
-                (block as usize) < self.parts.blocks.len() && boxed.is_whole()
+                is_next && boxed.is_whole()
             }
             Child::Node(child) => {
                 let is_next = child == self.taken;

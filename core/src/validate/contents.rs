@@ -1,87 +1,64 @@
-//! Leaves take up payloads and blocks in the order of a depth-first traversal, each once: so a chain ends, and all lists
-//! together are no longer than the file.
+//! Leaves take up payloads in the order of a depth-first traversal, each once; their entries lead to what there is.
 
 use super::wrong_length;
-use crate::blocks::{Blocks, Indexed};
 use crate::error::{DecodeError, RecordFault};
-use crate::layout::{
-    BLOCK_WORDS, CHAINED, INDEXED_BLOCK_WORDS, LatticeBox, NONE, PAYLOAD_BLOCKS, PAYLOAD_WORDS, Payload, Section,
-};
+use crate::layout::{BVH_NODE_WORDS, BVH_WIDTH, Child, Key, LatticeBox, Section};
 use crate::parts::Parts;
 
-/// What has been taken up so far.
+/// How many payloads have been taken up so far.
 pub(super) struct Contents<'a> {
     parts: &'a Parts<'a>,
     payloads: u32,
-    blocks: u32,
 }
 
 impl<'a> Contents<'a> {
     pub(super) fn new(parts: &'a Parts<'a>) -> Self {
-        Self { parts, payloads: 0, blocks: 0 }
+        Self { parts, payloads: 0 }
     }
 
-    /// Takes up the payloads of a leaf, and their blocks.
-    pub(super) fn leaf(&mut self, record: u32) -> Result<(), DecodeError> {
-        let bad = Err(DecodeError::BadRecord { record, fault: RecordFault::Payload });
+    /// Takes up the payload of a leaf.
+    pub(super) fn leaf(&mut self, record: u32, key: Key) -> Result<(), DecodeError> {
         let leaf = &self.parts.records[record as usize];
         let count = leaf.head().t_count();
-        if count == 0 {
-            return if leaf.offset == 0 { Ok(()) } else { bad };
+        let is_right = if count == 0 {
+            leaf.offset == 0
+        } else {
+            let payload = self.parts.payloads.get(self.payloads as usize);
+            leaf.offset == self.payloads && payload.is_some_and(|payload| payload.count() == count)
+        };
+        if !is_right {
+            return Err(DecodeError::BadRecord { record, fault: RecordFault::Payload });
         }
-        let Some(mut payload) = self.next().filter(|_| leaf.offset == self.payloads) else { return bad };
-        if count != if payload.next == NONE { payload.count } else { CHAINED } {
-            return bad;
-        }
-        let tight = payload.hull();
-        loop {
-            let bad = Err(DecodeError::BadPayload { payload: self.payloads });
-            if payload.first != self.blocks || !self.is_consistent(payload, tight) {
-                return bad;
+        if count > 0 {
+            let payload = self.payloads;
+            if !(0..BVH_WIDTH).all(|slot| self.is_entry(self.parts.payloads[payload as usize].child(slot), key)) {
+                return Err(DecodeError::BadPayload { payload });
             }
-            self.blocks += payload.count;
             self.payloads += 1;
-            if payload.next == NONE {
-                return Ok(());
-            }
-            payload = match self.next() {
-                Some(next) if payload.next == self.payloads => next,
-                _ => return bad,
-            };
-        }
-    }
-
-    fn next(&self) -> Option<&'a Payload> {
-        self.parts.payloads.get(self.payloads as usize)
-    }
-
-    /// Whether a payload has its blocks, and the tight box of the leaf its boxes.
-    fn is_consistent(&self, payload: &Payload, tight: LatticeBox) -> bool {
-        let count = payload.count as usize;
-        let is_inside = |outer: LatticeBox, inner: LatticeBox| inner.is_whole() && outer.contains(inner);
-        let own = payload.hull();
-        (1..=PAYLOAD_BLOCKS).contains(&count)
-            && payload.unused == [0; 2]
-            && payload.first as usize + count <= self.parts.blocks.len()
-            && is_inside(tight, own)
-            && (0..count).all(|block| is_inside(own, payload.boxed(block)))
-            && (count..PAYLOAD_BLOCKS).all(|block| payload.boxed(block) == LatticeBox::EMPTY)
-    }
-
-    /// Checks that no payload and no block is left over.
-    pub(super) fn finish(&self) -> Result<(), DecodeError> {
-        let Parts { payloads, blocks, .. } = self.parts;
-        if self.payloads as usize != payloads.len() {
-            return Err(wrong_length(Section::Payloads, payloads.len(), PAYLOAD_WORDS));
-        }
-        if self.blocks as usize != blocks.len() {
-            return Err(match blocks {
-                Blocks::Packed(blocks) => wrong_length(Section::Blocks, blocks.len(), BLOCK_WORDS),
-                Blocks::Indexed(Indexed { blocks, .. }) => {
-                    wrong_length(Section::IndexedBlocks, blocks.len(), INDEXED_BLOCK_WORDS)
-                }
-            });
         }
         Ok(())
+    }
+
+    /// Whether an entry leads to what there is, with a box inside the cell, and inside that of the node that it leads to but
+    /// for a step: what lies beside the cell, no farther than the padding, has its box on the face.
+    fn is_entry(&self, (boxed, child): (LatticeBox, Child), key: Key) -> bool {
+        let cell =
+            LatticeBox { lower: key.corner.map(|c| c as u16), upper: key.corner.map(|c| (c + key.size() - 1) as u16) };
+        let is_inside = boxed.is_whole() && cell.contains(boxed);
+        match child {
+            Child::Vacant => boxed == LatticeBox::VACANT,
+            Child::Block(block) => is_inside && (block as usize) < self.parts.blocks.len(),
+            Child::Node(node) => {
+                is_inside && self.parts.bvh.get(node as usize).is_some_and(|node| node.hull().grown().contains(boxed))
+            }
+        }
+    }
+
+    /// Checks that no payload is left over.
+    pub(super) fn finish(&self) -> Result<(), DecodeError> {
+        if self.payloads as usize == self.parts.payloads.len() {
+            return Ok(());
+        }
+        Err(wrong_length(Section::Payloads, self.parts.payloads.len(), BVH_NODE_WORDS))
     }
 }

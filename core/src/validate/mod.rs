@@ -21,8 +21,8 @@ const MAX_GRID_BITS: u32 = 8;
 pub(crate) fn sections(parts: &Parts<'_>, keeps_margin: bool) -> Result<(), DecodeError> {
     header(parts)?;
     lengths(parts)?;
-    tree::check(parts)?;
     bvh::check(parts)?;
+    tree::check(parts)?;
     for (number, leaf) in parts.leaves() {
         links(parts, number, leaf)?;
     }

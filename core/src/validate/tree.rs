@@ -43,7 +43,7 @@ pub(super) fn check(parts: &Parts<'_>) -> Result<(), DecodeError> {
             next_block = children_end;
             continue;
         }
-        contents.leaf(number)?;
+        contents.leaf(number, place)?;
         while level > 0 && path[level] & 7 == 7 {
             level -= 1;
         }

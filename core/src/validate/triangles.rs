@@ -7,21 +7,21 @@ use crate::error::DecodeError;
 use crate::layout::{BLOCK_WIDTH, Block, IndexedBlock, LATTICE, NONE, Section, VERTEX_WORDS};
 use crate::parts::Parts;
 
-/// Checks all blocks, and that they hold as many triangles as the header says.
+/// Checks all blocks, and that they hold as many triangles as the mesh has, but for those dropped.
 pub(super) fn check(parts: &Parts<'_>, margin: f32) -> Result<(), DecodeError> {
     let primitives = parts.header.primitives;
     let inside = parts.frame.corner.map(|corner| Inside { corner, margin });
-    let references = match parts.blocks {
+    let listed = match parts.blocks {
         Blocks::Packed(blocks) => {
-            let mut references = 0;
+            let mut listed = 0;
             for (number, block) in (0..).zip(blocks) {
-                references += packed(block, number, primitives, &inside)?;
+                listed += packed(block, number, primitives, &inside)?;
             }
-            references
+            listed
         }
         Blocks::Indexed(blocks) => indexed(blocks, primitives, &inside)?,
     };
-    if references == parts.header.references { Ok(()) } else { Err(DecodeError::Header { field: "references" }) }
+    if listed == primitives - parts.header.dropped { Ok(()) } else { Err(DecodeError::Header { field: "dropped" }) }
 }
 
 /// What coordinates along an axis lie inside the root, by a margin.
@@ -69,7 +69,7 @@ fn indexed(indexed: Indexed<'_>, primitives: u32, inside: &[Inside; 3]) -> Resul
     if let Some(vertex) = vertices.iter().position(is_outside) {
         return Err(DecodeError::BadVertex { vertex: vertex as u32 });
     }
-    let (mut references, mut named) = (0, 0);
+    let (mut listed, mut named) = (0, 0);
     for (number, block) in (0..).zip(blocks) {
         for (lane, primitive) in block.primitives.into_iter().enumerate() {
             let is_vacant = primitive == NONE;
@@ -77,11 +77,11 @@ fn indexed(indexed: Indexed<'_>, primitives: u32, inside: &[Inside; 3]) -> Resul
             if !has_primitive || !names_vertices(block, lane, vertices.len(), &mut named) {
                 return Err(DecodeError::BadBlock { block: number, lane: lane as u32 });
             }
-            references += u32::from(!is_vacant);
+            listed += u32::from(!is_vacant);
         }
     }
     if named == vertices.len() {
-        Ok(references)
+        Ok(listed)
     } else {
         Err(wrong_length(Section::Vertices, vertices.len(), VERTEX_WORDS))
     }

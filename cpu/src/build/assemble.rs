@@ -3,18 +3,18 @@
 use leafwalk_core::Octree;
 use leafwalk_core::contract::PADDING;
 use leafwalk_core::layout::{
-    BLOCK_WORDS, BVH_NODE_WORDS, Block, INDEXED_BLOCK_WORDS, KEY_WORDS, PAYLOAD_WORDS, Payload, RECORD_WORDS, Section,
-    VERTEX_WORDS,
+    BLOCK_WIDTH, BLOCK_WORDS, BVH_NODE_WORDS, Block, BvhNode, INDEXED_BLOCK_WORDS, KEY_WORDS, NONE, RECORD_WORDS,
+    Section, Triangle, VERTEX_WORDS,
 };
 use leafwalk_core::testing::{self, Policy};
 use leafwalk_core::wire::{self, Header};
 use rayon::prelude::*;
 
-use super::bvh;
+use super::bvh::Hierarchy;
 use super::compact::index;
 use super::error::BuildError;
-use super::leaf::{Lister, Listing, block_count};
-use super::link::{Linked, Payloads, link};
+use super::leaf::{Blocks, Lister};
+use super::link::{link, listing};
 use super::monitor::Monitor;
 use super::normalise::Normalised;
 use super::settings::{Settings, Spoiled};
@@ -32,20 +32,20 @@ pub(crate) fn assemble(
     settings: &Settings,
     monitor: &Monitor<'_>,
 ) -> Result<Octree<Vec<u32>>, BuildError> {
-    let linked = link(tree);
-    let listings = list_leaves(normalised, tree, &linked, settings, monitor)?;
-    let payloads: Vec<Payload> = listings.iter().flat_map(|listing| &listing.payloads).copied().collect();
-    let bvh = bvh::grow(&payloads);
+    let hierarchy = Hierarchy::grow(&normalised.frame, &normalised.triangles, settings.spoiled);
+    monitor.check(0.3)?;
+    let listing = listing(tree);
+    let payloads = list_leaves(normalised, tree, &listing, &hierarchy, settings, &monitor.part(0.3, 1.0))?;
+    let linked = link(tree, &listing, &payloads);
     let (blocks, (indexed, vertices)) = if settings.is_compact {
-        (0, index(listings.iter().flat_map(|listing| listing.blocks(&normalised.triangles))))
+        (0, index(hierarchy.blocks().map(|block| pack(block, &normalised.triangles))))
     } else {
-        (payloads.iter().map(|payload| payload.count as usize).sum(), Default::default())
+        (hierarchy.block_count(), Default::default())
     };
     let header = Header {
         primitives: mesh.triangles.len() as u32,
         dropped: normalised.dropped,
         collapsed: normalised.collapsed,
-        references: tree.live as u32,
         grid_bits: linked.grid_bits,
         scale_exponent: normalised.frame.scale_exponent,
         padding: PADDING,
@@ -59,11 +59,11 @@ pub(crate) fn assemble(
         Section::Header => size_of::<Header>() / size_of::<u32>(),
         Section::Records => linked.records.len() * RECORD_WORDS,
         Section::Keys => linked.keys.len() * KEY_WORDS,
-        Section::Payloads => payloads.len() * PAYLOAD_WORDS,
+        Section::Payloads => payloads.len() * BVH_NODE_WORDS,
         Section::Blocks => blocks * BLOCK_WORDS,
         Section::IndexedBlocks => indexed.len() * INDEXED_BLOCK_WORDS,
         Section::Vertices => vertices.len() * VERTEX_WORDS,
-        Section::Bvh => bvh.len() * BVH_NODE_WORDS,
+        Section::Bvh => hierarchy.nodes.len() * BVH_NODE_WORDS,
         Section::Grid => linked.grid.len(),
         Section::Materials => mesh.material_ids.len(),
         _ => 0,
@@ -95,11 +95,13 @@ pub(crate) fn assemble(
     section(Section::Keys).copy_from_slice(bytemuck::cast_slice(&linked.keys));
     section(Section::Payloads).copy_from_slice(bytemuck::cast_slice(&payloads));
     if !settings.is_compact {
-        pack(&listings, normalised, bytemuck::cast_slice_mut(section(Section::Blocks)));
+        let blocks: &mut [Block] = bytemuck::cast_slice_mut(section(Section::Blocks));
+        let triangles = &normalised.triangles;
+        blocks.par_iter_mut().zip(hierarchy.par_blocks()).for_each(|(block, own)| *block = pack(own, triangles));
     }
     section(Section::IndexedBlocks).copy_from_slice(bytemuck::cast_slice(&indexed));
     section(Section::Vertices).copy_from_slice(bytemuck::cast_slice(&vertices));
-    section(Section::Bvh).copy_from_slice(bytemuck::cast_slice(&bvh));
+    section(Section::Bvh).copy_from_slice(bytemuck::cast_slice(&hierarchy.nodes));
     section(Section::Grid).copy_from_slice(&linked.grid);
     section(Section::Materials).copy_from_slice(mesh.material_ids);
     wire::seal(&mut words, &spans);
@@ -117,53 +119,40 @@ impl Policy for Touching {
     const KEEPS_MESH_MARGIN: bool = false;
 }
 
-/// Groups what each leaf lists, tasks in parallel.
+/// Finds what each leaf lists, tasks in parallel.
 fn list_leaves(
     normalised: &Normalised,
     tree: &Tree,
-    linked: &Linked,
+    listing: &[u32],
+    hierarchy: &Hierarchy,
     settings: &Settings,
     monitor: &Monitor<'_>,
-) -> Result<Vec<Listing>, BuildError> {
-    let Payloads { first, leaves } = &linked.payloads;
-    let references = |leaf: &u32| tree.references(&tree.nodes[*leaf as usize]);
-    let mut next_block = 0;
-    let tasks: Vec<_> = leaves
-        .chunks(LEAVES_A_TASK)
-        .map(|leaves| {
-            let block = next_block;
-            next_block += leaves.iter().map(|leaf| block_count(references(leaf).len())).sum::<usize>();
-            (leaves, block)
-        })
-        .collect();
-    monitor.check(0.0)?;
-    let list = |(leaves, mut block): (&[u32], usize)| {
+) -> Result<Vec<BvhNode>, BuildError> {
+    let blocks = Blocks::new(hierarchy);
+    let list = |leaves: &[u32]| {
         monitor.check_cancelled()?;
-        let mut lister = Lister::new(&normalised.frame, &normalised.triangles, settings);
-        for leaf in leaves {
-            let references = references(leaf);
-            lister.list(tree.nodes[*leaf as usize].key, references, first[*leaf as usize], block as u32);
-            block += block_count(references.len());
-        }
-        Ok(lister.listing)
+        let mut lister = Lister::new(&normalised.frame, &normalised.triangles, &blocks, settings);
+        let payload = |leaf: &u32| {
+            let leaf = &tree.nodes[*leaf as usize];
+            lister.list(leaf.key, tree.references(leaf))
+        };
+        Ok(leaves.iter().map(payload).collect::<Vec<_>>())
     };
-    let listings = tasks.into_par_iter().map(list).collect();
+    let payloads: Vec<Vec<BvhNode>> = listing.par_chunks(LEAVES_A_TASK).map(list).collect::<Result<_, _>>()?;
     monitor.check(1.0)?;
-    listings
+    Ok(payloads.concat())
 }
 
-/// Fills the blocks, tasks in parallel.
-fn pack(listings: &[Listing], normalised: &Normalised, blocks: &mut [Block]) {
-    let mut rest = blocks;
-    let mut tasks = Vec::new();
-    for listing in listings {
-        let (own, tail) = core::mem::take(&mut rest).split_at_mut(listing.block_count());
-        rest = tail;
-        tasks.push((listing, own));
-    }
-    tasks.into_par_iter().for_each(|(listing, blocks)| {
-        for (block, packed) in blocks.iter_mut().zip(listing.blocks(&normalised.triangles)) {
-            *block = packed;
+/// The block of up to eight triangles, given by their places in the list of all.
+fn pack(own: &[u32], triangles: &[Triangle]) -> Block {
+    let mut block = Block::VACANT;
+    for lane in 0..BLOCK_WIDTH {
+        let number = own.get(lane);
+        let Triangle { primitive, corners } = &triangles[*number.unwrap_or(&own[0]) as usize];
+        block.primitives[lane] = number.map_or(NONE, |_| *primitive);
+        for (corner, axis) in (0..9).map(|i| (i / 3, i % 3)) {
+            block.vertices[corner][axis][lane] = corners[corner][axis];
         }
-    });
+    }
+    block
 }

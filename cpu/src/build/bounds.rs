@@ -37,6 +37,14 @@ impl Bounds {
         Self(self.0.min(other.0))
     }
 
+    /// Each side moved into another box, which is not empty.
+    pub(super) fn clamp_into(self, outer: Self) -> Self {
+        let [a, b, c, _, d, e, f, _] = outer.0.to_array();
+        // A side negated is the side with its bits inverted.
+        let most = Self(i16x8::new([!d, !e, !f, 0, !a, !b, !c, 0]));
+        self.clamp(outer, most)
+    }
+
     /// Each side between those of two other boxes.
     #[inline]
     pub(super) fn clamp(self, least: Self, most: Self) -> Self {
@@ -88,5 +96,12 @@ mod tests {
         assert_eq!(clamp([0; 3], [40; 3]), lattice_box(first, last));
         assert_eq!(clamp([20; 3], [21; 3]), lattice_box([20; 3], [21; 3]));
         assert_eq!(clamp([0; 3], [3; 3]), lattice_box(first, first));
+        let into = |lower, upper| {
+            let outer = Bounds::new(lattice_box([16; 3], [31; 3]));
+            Bounds::new(lattice_box(lower, upper)).clamp_into(outer).boxed()
+        };
+        assert_eq!(into([0; 3], [40; 3]), lattice_box([16; 3], [31; 3]));
+        assert_eq!(into([15; 3], [15; 3]), lattice_box([16; 3], [16; 3]));
+        assert_eq!(into([20; 3], [32; 3]), lattice_box([20; 3], [31; 3]));
     }
 }

@@ -1,145 +1,161 @@
-//! What leaves list: triangles grouped into blocks of eight, their boxes, payloads.
+//! What leaves list: nodes and blocks of the hierarchy, with boxes that are cut to the leaf's cell.
+
+use core::ops::Range;
 
 use leafwalk_core::Frame;
-use leafwalk_core::layout::{BLOCK_WIDTH, Block, Key, LatticeBox, NONE, PAYLOAD_BLOCKS, Payload, Triangle};
-use wide::f32x4;
+use leafwalk_core::layout::{BVH_WIDTH, BvhNode, Child, Key, Triangle};
 
 use super::bounds::Bounds;
-use super::part::{Cell, Part};
-use super::settings::{Settings, Spoiled};
+use super::bvh::{Hierarchy, by_octant};
+use super::part::Cell;
+use super::settings::Settings;
 
-/// Blocks that `references` triangles fill.
-pub(crate) fn block_count(references: usize) -> usize {
-    references.div_ceil(BLOCK_WIDTH)
+/// The hierarchy, seen from its triangles.
+pub(crate) struct Blocks<'a> {
+    nodes: &'a [BvhNode],
+    /// Per triangle, by its place in the list of all, its block.
+    of_triangle: Vec<u32>,
+    /// Per node, the blocks below it.
+    below: Vec<Range<u32>>,
 }
 
-/// Payloads that `references` triangles need.
-pub(crate) fn payload_count(references: usize) -> usize {
-    block_count(references).div_ceil(PAYLOAD_BLOCKS)
-}
-
-/// What some leaves list, one after the other.
-#[derive(Default)]
-pub(crate) struct Listing {
-    pub(crate) payloads: Vec<Payload>,
-    /// The triangles of each leaf, by their places in the list of all, block after block.
-    pub(crate) references: Vec<u32>,
-    /// How many of them each leaf has.
-    pub(crate) counts: Vec<usize>,
-}
-
-impl Listing {
-    pub(crate) fn block_count(&self) -> usize {
-        self.payloads.iter().map(|payload| payload.count as usize).sum()
+impl<'a> Blocks<'a> {
+    pub(crate) fn new(hierarchy: &'a Hierarchy) -> Self {
+        let nodes = &hierarchy.nodes;
+        let mut of_triangle = vec![0; hierarchy.triangles.len()];
+        for (number, block) in (0..).zip(hierarchy.blocks()) {
+            block.iter().for_each(|triangle| of_triangle[*triangle as usize] = number);
+        }
+        let mut below = vec![0..0; nodes.len()];
+        for (at, node) in nodes.iter().enumerate().rev() {
+            let ranges = (0..BVH_WIDTH).filter_map(|slot| match node.child(slot).1 {
+                Child::Vacant => None,
+                Child::Block(block) => Some(block..block + 1),
+                Child::Node(child) => Some(below[child as usize].clone()),
+            });
+            let around = |a: Range<u32>, b: Range<u32>| a.start.min(b.start)..a.end.max(b.end);
+            below[at] = ranges.reduce(around).unwrap_or_default();
+        }
+        Self { nodes, of_triangle, below }
     }
 
-    /// Leaf after leaf; only the last of each has vacant lanes.
-    pub(crate) fn blocks(&self, triangles: &[Triangle]) -> impl Iterator<Item = Block> {
-        let mut references = &self.references[..];
-        let of_leaf = move |&count: &usize| {
-            let (own, tail) = references.split_at(count);
-            references = tail;
-            own.chunks(BLOCK_WIDTH)
-        };
-        self.counts.iter().flat_map(of_leaf).map(|group| pack(group, triangles))
+    /// The blocks that a child leads to; none for a vacant one.
+    fn range(&self, child: Child) -> Range<u32> {
+        match child {
+            Child::Node(node) => self.below[node as usize].clone(),
+            Child::Block(block) => block..block + 1,
+            Child::Vacant => 0..0,
+        }
     }
+}
+
+/// A block, and the part of it inside a cell.
+#[derive(Clone, Copy)]
+struct Met {
+    block: u32,
+    bounds: Bounds,
+}
+
+/// What a leaf may list: a node or a block, and which of the blocks that the cell meets lie below it.
+#[derive(Clone)]
+struct Entry {
+    child: Child,
+    met: Range<usize>,
+    bounds: Bounds,
+    /// Whether it has more children than there is room for.
+    is_closed: bool,
 }
 
 /// Lists leaf after leaf, in memory that serves for all of them.
 pub(crate) struct Lister<'a> {
     frame: &'a Frame,
     triangles: &'a [Triangle],
+    blocks: &'a Blocks<'a>,
     settings: &'a Settings,
-    pub(crate) listing: Listing,
-    parts: Vec<Part>,
-    keys: Vec<u64>,
-    boxes: Vec<LatticeBox>,
+    parts: Vec<Met>,
+    met: Vec<Met>,
 }
 
 impl<'a> Lister<'a> {
-    pub(crate) fn new(frame: &'a Frame, triangles: &'a [Triangle], settings: &'a Settings) -> Self {
-        let (parts, keys, boxes) = Default::default();
-        Self { frame, triangles, settings, listing: Listing::default(), parts, keys, boxes }
+    pub(crate) fn new(
+        frame: &'a Frame,
+        triangles: &'a [Triangle],
+        blocks: &'a Blocks<'a>,
+        settings: &'a Settings,
+    ) -> Self {
+        Self { frame, triangles, blocks, settings, parts: Vec::new(), met: Vec::new() }
     }
 
-    /// Adds a leaf whose references ascend; its payloads are numbered from `payload` on, their blocks from `block` on.
-    pub(crate) fn list(&mut self, cell: Key, references: &[u32], payload: u32, block: u32) {
+    /// What a leaf lists, given its references, of which there is one at least.
+    pub(crate) fn list(&mut self, cell: Key, references: &[u32]) -> BvhNode {
         let cell = Cell::new(self.frame, cell, self.settings.padding());
         self.parts.clear();
-        self.parts.extend(references.iter().map(|reference| cell.part(&self.triangles[*reference as usize].corners)));
-        self.keys.clear();
-        self.keys.extend(0..references.len() as u64);
-        group(&mut self.keys, &self.parts);
-        self.boxes.clear();
-        for group in self.keys.chunks_mut(BLOCK_WIDTH) {
-            // Ascending primitives, so that the block's bytes do not depend on how it was found.
-            group.sort_unstable_by_key(|key| place(*key));
-            self.listing.references.extend(group.iter().map(|key| references[place(*key)]));
-            let bounds = group.iter().fold(Bounds::EMPTY, |all, key| all.join(self.parts[place(*key)].bounds));
-            self.boxes.push(spoil(bounds.boxed(), self.settings.spoiled));
+        self.parts.extend(references.iter().map(|&reference| Met {
+            block: self.blocks.of_triangle[reference as usize],
+            bounds: cell.part(&self.triangles[reference as usize].corners),
+        }));
+        self.parts.sort_unstable_by_key(|met| met.block);
+        self.met.clear();
+        for part in &self.parts {
+            match self.met.last_mut() {
+                Some(last) if last.block == part.block => last.bounds = last.bounds.join(part.bounds),
+                _ => self.met.push(*part),
+            }
         }
-        self.listing.counts.push(references.len());
-        let (boxes, count) = (&self.boxes, payload_count(references.len()));
-        let in_payload = |(i, own): (usize, &[LatticeBox])| {
-            let boxed = Payload::of_boxes(core::array::from_fn(|b| own.get(b).copied().unwrap_or(LatticeBox::EMPTY)));
-            let LatticeBox { lower, upper } =
-                if i == 0 { LatticeBox::around(boxes.iter().copied()) } else { boxed.hull() };
-            let next = if i + 1 == count { NONE } else { payload + i as u32 + 1 };
-            Payload { lower, upper, first: block + (i * PAYLOAD_BLOCKS) as u32, next, ..boxed }
+        let entries = self.entries();
+        let mut centres = [[0.0; 3]; BVH_WIDTH];
+        for (centre, entry) in centres.iter_mut().zip(&entries) {
+            *centre = entry.bounds.centre().map(|c| c as f32);
+        }
+        let mut payload = BvhNode::VACANT;
+        for (entry, slot) in entries.iter().zip(by_octant(&centres[..entries.len()])) {
+            payload.put(slot, self.settings.spoiled.boxed(entry.bounds), entry.child);
+        }
+        payload
+    }
+
+    /// As many entries as a payload has slots, at most: blocks where they fit in, else nodes, of which the one with the
+    /// largest box is opened as long as its children have room.
+    fn entries(&self) -> Vec<Entry> {
+        let mut entries = Vec::with_capacity(BVH_WIDTH);
+        if self.met.len() <= BVH_WIDTH {
+            let of_block = |(at, met): (usize, &Met)| self.entry(Child::Block(met.block), at..at + 1);
+            entries.extend(self.met.iter().enumerate().map(of_block));
+            return entries;
+        }
+        entries.push(self.entry(Child::Node(0), 0..self.met.len()));
+        loop {
+            let openable = entries.iter().enumerate().filter_map(|(at, entry)| match entry.child {
+                Child::Node(node) if !entry.is_closed => Some((at, node, entry.bounds.area())),
+                _ => None,
+            });
+            let Some((at, node, _)) = openable.max_by(|a, b| a.2.total_cmp(&b.2)) else { return entries };
+            let opened = self.open(node, entries[at].met.clone());
+            if entries.len() + opened.len() <= BVH_WIDTH + 1 {
+                entries.swap_remove(at);
+                entries.extend(opened);
+            } else {
+                entries[at].is_closed = true;
+            }
+        }
+    }
+
+    /// The children of a node below which there are blocks of a run.
+    fn open(&self, node: u32, run: Range<usize>) -> Vec<Entry> {
+        let node = &self.blocks.nodes[node as usize];
+        let met = &self.met[run.clone()];
+        let child = |slot: usize| {
+            let child = node.child(slot).1;
+            let blocks = self.blocks.range(child);
+            let first = met.partition_point(|met| met.block < blocks.start);
+            let end = met.partition_point(|met| met.block < blocks.end);
+            (first < end).then(|| self.entry(child, run.start + first..run.start + end))
         };
-        self.listing.payloads.extend(boxes.chunks(PAYLOAD_BLOCKS).enumerate().map(in_payload));
+        (0..BVH_WIDTH).filter_map(child).collect()
     }
-}
 
-/// The place of a part in its list: the low half of a key.
-#[inline]
-fn place(key: u64) -> usize {
-    key as u32 as usize
-}
-
-/// Orders parts so that every run of eight lies close together: halves along the longest axis of the centres.
-///
-/// Keys hold a part's place, and above it whatever they were last ordered by.
-fn group(keys: &mut [u64], parts: &[Part]) {
-    if keys.len() <= BLOCK_WIDTH {
-        return;
+    fn entry(&self, child: Child, met: Range<usize>) -> Entry {
+        let bounds = self.met[met.clone()].iter().fold(Bounds::EMPTY, |all, met| all.join(met.bounds));
+        Entry { child, met, bounds, is_closed: false }
     }
-    let first = f32x4::new(parts[place(keys[0])].centre);
-    let (low, high) = keys.iter().fold((first, first), |(low, high), key| {
-        let centre = f32x4::new(parts[place(*key)].centre);
-        (low.fast_min(centre), high.fast_max(centre))
-    });
-    let [x, y, z, _] = (high - low).to_array();
-    let axis = if x >= y && x >= z { 0 } else { 1 + usize::from(z > y) };
-    for key in &mut *keys {
-        // Centres are sums of sides inside the dilated root, not negative but for the smallest of roundings.
-        let order = parts[place(*key)].centre[axis].max(0.0).to_bits();
-        *key = u64::from(order) << 32 | *key & u64::from(u32::MAX);
-    }
-    // The left half fills whole blocks, so that only the last block of a leaf has vacant lanes.
-    let middle = block_count(keys.len()).div_ceil(2) * BLOCK_WIDTH;
-    keys.select_nth_unstable(middle);
-    let (left, right) = keys.split_at_mut(middle);
-    group(left, parts);
-    group(right, parts);
-}
-
-/// The box, a step smaller where boxes are spoiled.
-fn spoil(LatticeBox { lower, upper }: LatticeBox, spoiled: Spoiled) -> LatticeBox {
-    let shrink = |k: usize| u16::from(spoiled == Spoiled::Boxes && lower[k] < upper[k]);
-    LatticeBox { lower, upper: core::array::from_fn(|k| upper[k] - shrink(k)) }
-}
-
-/// The block of up to eight references.
-fn pack(group: &[u32], triangles: &[Triangle]) -> Block {
-    let mut block = Block::VACANT;
-    for lane in 0..BLOCK_WIDTH {
-        let reference = group.get(lane);
-        let Triangle { primitive, corners } = &triangles[*reference.unwrap_or(&group[0]) as usize];
-        block.primitives[lane] = reference.map_or(NONE, |_| *primitive);
-        for (corner, axis) in (0..9).map(|i| (i / 3, i % 3)) {
-            block.vertices[corner][axis][lane] = corners[corner][axis];
-        }
-    }
-    block
 }

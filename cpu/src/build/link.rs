@@ -1,10 +1,9 @@
 //! Numbers and links: the tree as records, keys and entry grid.
 
 use leafwalk_core::layout::{
-    CHAINED, Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, NONE, PAYLOAD_BLOCKS, Record, RecordHead,
+    BvhNode, Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, NONE, Record, RecordHead,
 };
 
-use super::leaf::{block_count, payload_count};
 use super::tree::{Node, Tree};
 
 /// Grid cells stay below leaves by about this factor, a power of eight at most.
@@ -15,22 +14,25 @@ pub(crate) struct Linked {
     /// The root, seven vacant records, then blocks of eight siblings, depth first.
     pub(crate) records: Vec<Record>,
     pub(crate) keys: Vec<[u32; 2]>,
-    pub(crate) payloads: Payloads,
     pub(crate) grid_bits: u32,
     pub(crate) grid: Vec<u32>,
 }
 
-pub(crate) fn link(tree: &Tree) -> Linked {
+/// Numbers and links the nodes of a tree, given what its leaves list: see [`listing`].
+pub(crate) fn link(tree: &Tree, listing: &[u32], payloads: &[BvhNode]) -> Linked {
     let numbers = number(tree);
     let count = tree.nodes.len() + 7;
     let vacant = Record { head: 0, offset: 0, neighbours: [0; 6] };
     let mut linked = Linked {
         records: vec![vacant; count],
         keys: vec![Key::ROOT.to_words(); count],
-        payloads: Payloads::new(tree),
         grid_bits: grid_bits(tree),
         grid: Vec::new(),
     };
+    let mut payload_of = vec![NONE; tree.nodes.len()];
+    for (payload, leaf) in (0..).zip(listing) {
+        payload_of[*leaf as usize] = payload;
+    }
     let neighbours = neighbours(tree);
     let mut in_order: Vec<u32> = (0..tree.nodes.len() as u32).collect();
     in_order.sort_unstable_by_key(|&node| numbers[node as usize]);
@@ -39,8 +41,9 @@ pub(crate) fn link(tree: &Tree) -> Linked {
         let number = numbers[at as usize] as usize;
         linked.keys[number] = node.key.to_words();
         linked.records[number] = if node.is_leaf() {
-            let payload = linked.payloads.first[at as usize];
-            leaf_record(tree, &numbers, node, &neighbours[at as usize], payload)
+            let number = payload_of[at as usize];
+            let payload = payloads.get(number as usize).map(|payload| (number, payload.count()));
+            leaf_record(tree, &numbers, node, &neighbours[at as usize], payload.unwrap_or_default())
         } else {
             let children = numbers[node.children as usize];
             Record { head: RecordHead::inner(node.key.level).0, offset: children, neighbours: [0; 6] }
@@ -68,31 +71,19 @@ fn number(tree: &Tree) -> Vec<u32> {
     numbers
 }
 
-/// Numbers of payloads, leaf after leaf, depth first.
-pub(crate) struct Payloads {
-    /// Per leaf that lists something, its first payload, which the others follow; else [`NONE`].
-    pub(crate) first: Vec<u32>,
-    /// Leaves that list something, as indices of tree nodes, in their order.
-    pub(crate) leaves: Vec<u32>,
-}
-
-impl Payloads {
-    fn new(tree: &Tree) -> Self {
-        let mut payloads = Self { first: vec![NONE; tree.nodes.len()], leaves: Vec::new() };
-        let mut count = 0;
-        let mut pending = vec![0u32];
-        while let Some(at) = pending.pop() {
-            let node = &tree.nodes[at as usize];
-            if !node.is_leaf() {
-                pending.extend((node.children..node.children + 8).rev());
-            } else if node.lists() {
-                payloads.leaves.push(at);
-                payloads.first[at as usize] = count;
-                count += payload_count(tree.references(node).len()) as u32;
-            }
+/// The leaves that list anything, as indices of tree nodes, depth first: the order of their payloads.
+pub(crate) fn listing(tree: &Tree) -> Vec<u32> {
+    let mut leaves = Vec::new();
+    let mut pending = vec![0u32];
+    while let Some(at) = pending.pop() {
+        let node = &tree.nodes[at as usize];
+        if !node.is_leaf() {
+            pending.extend((node.children..node.children + 8).rev());
+        } else if node.lists() {
+            leaves.push(at);
         }
-        payloads
     }
+    leaves
 }
 
 /// Per node and face, the node of the same size across it, or the leaf that holds that place, or [`NONE`].
@@ -116,7 +107,7 @@ fn neighbours(tree: &Tree) -> Vec<[u32; 6]> {
     neighbours
 }
 
-fn leaf_record(tree: &Tree, numbers: &[u32], leaf: &Node, neighbours: &[u32; 6], payload: u32) -> Record {
+fn leaf_record(tree: &Tree, numbers: &[u32], leaf: &Node, neighbours: &[u32; 6], payload: (u32, u32)) -> Record {
     let links = neighbours.map(|neighbour| {
         let Some(node) = tree.nodes.get(neighbour as usize) else { return (LINK_NONE, 0) };
         if !node.is_leaf() {
@@ -127,11 +118,10 @@ fn leaf_record(tree: &Tree, numbers: &[u32], leaf: &Node, neighbours: &[u32; 6],
             (LINK_COARSER, numbers[neighbour as usize])
         }
     });
-    let blocks = block_count(tree.references(leaf).len());
-    let t_count = if blocks > PAYLOAD_BLOCKS { CHAINED } else { blocks as u32 };
+    let (offset, t_count) = payload;
     Record {
         head: RecordHead::leaf(t_count, leaf.key.level, links.map(|(kind, _)| kind)).0,
-        offset: if payload == NONE { 0 } else { payload },
+        offset,
         neighbours: links.map(|(_, target)| target),
     }
 }

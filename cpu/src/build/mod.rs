@@ -4,9 +4,9 @@
 //! normalise   vertices into lattice coordinates, triangles without extent left out
 //!             focus    for meshes that must be rounded: where most of their vertices are
 //! tree        split cells while that pays, and balance the octree
-//! assemble    link     number the nodes, link each leaf to its neighbours, make the entry grid
-//!             leaf     group what each leaf lists into blocks of eight, with their boxes
-//!             bvh      grow the BVH over all blocks
+//! assemble    bvh      grow the BVH over all triangles, down to blocks of eight
+//!             leaf     find the nodes and blocks of the BVH that each leaf lists, with boxes cut to its cell
+//!             link     number the octree's nodes, link each leaf to its neighbours, make the entry grid
 //!             compact  where asked, name corners by number
 //!             write the sections; the decoder validates them
 //! ```
@@ -70,6 +70,12 @@ impl Builder {
         Self::new().step_cost(WALK_STEP_COST)
     }
 
+    /// Settings for who only descends, as [`crate::CpuTracer`] does: the octree is a single leaf, so a file holds little more
+    /// than the BVH and the triangles. Who walks descends in that leaf, for the same answers.
+    pub fn for_descents() -> Self {
+        Self::new().max_level(0)
+    }
+
     /// Whether the leaves of an octree are as small as those that [`Builder::for_walks`] makes, or smaller. All octrees
     /// give the same answers; the others are walked more slowly.
     pub fn suits_walks<W: AsRef<[u32]>>(octree: &Octree<W>) -> bool {
@@ -91,7 +97,7 @@ impl Builder {
         self
     }
 
-    /// References that the leaves may list for each triangle of the mesh, at least 1; the default is 8.
+    /// How many leaves may meet a triangle, on average, at least 1; the default is 8.
     #[must_use]
     pub fn reference_budget(mut self, references: f32) -> Self {
         self.settings.budget = references;

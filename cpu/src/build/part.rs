@@ -2,19 +2,11 @@
 
 use leafwalk_core::Frame;
 use leafwalk_core::layout::{Key, LatticeBox};
-use wide::{f32x4, i32x4};
+use wide::i32x4;
 
 use super::bounds::Bounds;
 use super::clip::clipped_bounds;
-use super::span::{Span, lanes};
-
-/// The part of a triangle inside a cell.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
-    pub(super) bounds: Bounds,
-    /// Twice the middle, as seen from the root's corner.
-    pub(super) centre: [f32; 4],
-}
+use super::span::{Span, lanes, steps};
 
 /// A leaf's cell.
 pub(super) struct Cell {
@@ -38,42 +30,35 @@ impl Cell {
         }
     }
 
-    /// What of a triangle lies inside the dilated cell. Binning is more generous than clipping: what only touches gets the
-    /// box of the whole cell.
+    /// The box of what of a triangle lies inside the dilated cell. Binning is more generous than clipping: of what only
+    /// touches, the box of all of it counts.
     ///
     /// What the padding adds outside the cell is left to the box margin.
     #[inline]
-    pub(super) fn part(&self, corners: &[[f32; 3]; 3]) -> Part {
+    pub(super) fn part(&self, corners: &[[f32; 3]; 3]) -> Bounds {
         let whole = Span::around(corners, lanes(self.root));
         if self.dilated.holds(&whole) {
-            return self.inside((whole.lower + whole.upper).to_array(), steps(whole.lower), steps(whole.upper));
+            return self.inside(steps(whole.lower), steps(whole.upper));
         }
         self.clipped(corners, &whole)
     }
 
     #[inline(never)]
-    fn clipped(&self, corners: &[[f32; 3]; 3], whole: &Span) -> Part {
-        let Some((lower, upper)) = clipped_bounds(corners, self.root, whole, &self.dilated) else {
-            return Part { bounds: self.least, centre: (self.dilated.lower + self.dilated.upper).to_array() };
-        };
-        let centre = core::array::from_fn(|k| (lower[k] + upper[k]) as f32);
+    fn clipped(&self, corners: &[[f32; 3]; 3], whole: &Span) -> Bounds {
+        let whole_steps = self.inside(steps(whole.lower), steps(whole.upper));
+        let Some((lower, upper)) = clipped_bounds(corners, self.root, whole, &self.dilated) else { return whole_steps };
         // Exact, and what is above -1 becomes 0.
         let steps = |sides: [f64; 4]| i32x4::new(sides.map(|side| side as i32));
-        self.inside(centre, steps(lower), steps(upper))
+        // Corners that were cut off lie a rounding off the whole triangle's box.
+        self.inside(steps(lower), steps(upper)).clamp_into(whole_steps)
     }
 
-    fn inside(&self, centre: [f32; 4], first: i32x4, last: i32x4) -> Part {
-        Part { bounds: Bounds::of_steps(first, last).clamp(self.least, self.most), centre }
+    fn inside(&self, first: i32x4, last: i32x4) -> Bounds {
+        Bounds::of_steps(first, last).clamp(self.least, self.most)
     }
-}
-
-/// The steps that hold coordinates of the root's cube, or less than one beside it.
-#[inline]
-fn steps(sides: f32x4) -> i32x4 {
-    sides.fast_trunc_int()
 }
 
 /// The lattice steps that a triangle's block box must cover.
 pub(crate) fn box_inside(frame: &Frame, cell: Key, corners: &[[f32; 3]; 3], padding: f32) -> LatticeBox {
-    Cell::new(frame, cell, padding).part(corners).bounds.boxed()
+    Cell::new(frame, cell, padding).part(corners).boxed()
 }

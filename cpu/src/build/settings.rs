@@ -1,8 +1,9 @@
 //! What a builder was told, and what its stages share.
 
 use leafwalk_core::contract::PADDING;
-use leafwalk_core::layout::MAX_LEVEL;
+use leafwalk_core::layout::{LatticeBox, MAX_LEVEL};
 
+use super::bounds::Bounds;
 use super::error::BuildError;
 use super::normalise::NonFinite;
 
@@ -38,6 +39,15 @@ pub enum Spoiled {
     MeshMargin,
     /// Boxes are a lattice step too small.
     Boxes,
+}
+
+impl Spoiled {
+    /// The steps of a box, a step too small where boxes are spoiled.
+    pub(super) fn boxed(self, bounds: Bounds) -> LatticeBox {
+        let LatticeBox { lower, upper } = bounds.boxed();
+        let shrink = |k: usize| u16::from(self == Self::Boxes && lower[k] < upper[k]);
+        LatticeBox { lower, upper: core::array::from_fn(|k| upper[k] - shrink(k)) }
+    }
 }
 
 /// The settings of a builder.

@@ -1,6 +1,6 @@
 //! `Span`: boxes as seen from the root's corner, all axes at a time.
 
-use wide::f32x4;
+use wide::{f32x4, i32x4};
 
 /// A box; the fourth lane means nothing.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +34,12 @@ impl Span {
 #[inline]
 pub(super) fn lanes([x, y, z]: [f32; 3]) -> f32x4 {
     f32x4::new([x, y, z, 0.0])
+}
+
+/// The steps that hold coordinates of the root's cube, or less than one beside it.
+#[inline]
+pub(super) fn steps(sides: f32x4) -> i32x4 {
+    sides.fast_trunc_int()
 }
 
 /// The axes whose lanes are set, as bits.

@@ -118,7 +118,7 @@ impl<L: Eight> Slot<L> {
     fn visit<B: BlockSource, Q: Query>(&mut self, bvh: &Bvh<'_, B>, room: &mut Option<Block>) {
         let Probe { slabs, order, shear, axes, neg, nearest, .. } = &mut self.probe;
         if let Some(node) = bvh.node(self.child) {
-            let (first, met) = boxes_hit(slabs, *order, &node.sides, nearest);
+            let (first, met) = boxes_hit(slabs, *order, node, nearest);
             self.stack.push(node, *neg, first, met);
         } else if let Some(block) = bvh.block(self.child, room) {
             test_block(block, &Shear::<L>::splat(shear), *axes, nearest);

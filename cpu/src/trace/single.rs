@@ -37,7 +37,7 @@ pub(crate) fn descend<L: Eight, B: BlockSource, Q: Query>(
     let mut room = None;
     loop {
         if let Some(node) = bvh.node(child) {
-            let (first, met) = boxes_hit(&slabs, order, &node.sides, &nearest);
+            let (first, met) = boxes_hit(&slabs, order, node, &nearest);
             if met != 0 {
                 child = stack.enter(node, neg, first, met);
                 continue;

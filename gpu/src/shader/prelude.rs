@@ -5,7 +5,7 @@ use core::fmt::Write;
 use core::mem::offset_of;
 
 use leafwalk_core::contract;
-use leafwalk_core::layout::{self, Block, Payload, Record};
+use leafwalk_core::layout::{self, Block, BvhNode, Child, Record};
 use leafwalk_core::{lanes, step, tables, triangle};
 
 /// Invocations of a workgroup: whole subgroups of most hardware, where they are 32 or 64 wide.
@@ -14,7 +14,7 @@ pub(crate) const WORKGROUP: u32 = 64;
 pub(crate) const QUAD_BYTES: usize = 16;
 
 /// Integers, as WGSL declares them.
-const INTEGERS: [(&str, u32); 18] = [
+const INTEGERS: [(&str, u32); 21] = [
     ("WORKGROUP", WORKGROUP),
     ("HEAD", lanes::HEAD),
     ("NONE", layout::NONE),
@@ -29,15 +29,14 @@ const INTEGERS: [(&str, u32); 18] = [
     ("LINK_COARSER", layout::LINK_COARSER),
     ("LINK_FINER", layout::LINK_FINER),
     ("RECORD_QUADS", quads(size_of::<Record>())),
-    ("PAYLOAD_QUADS", quads(size_of::<Payload>())),
+    ("NODE_QUADS", quads(size_of::<BvhNode>())),
+    ("CHILDREN_QUAD", quads(offset_of!(BvhNode, children))),
+    ("MAX_DEPTH", layout::MAX_DEPTH as u32),
+    ("NUMBERS", Child::NUMBERS),
     ("BLOCK_QUADS", quads(size_of::<Block>())),
     ("LANE_QUADS", quads(layout::BLOCK_WIDTH * size_of::<f32>())),
     ("PRIMITIVES_QUAD", quads(offset_of!(Block, primitives))),
 ];
-
-/// Places inside a payload, in quads: of its hull, and of the list that it holds.
-const PAYLOAD_PLACES: [(&str, u32); 2] =
-    [("HULL_QUAD", quads(offset_of!(Payload, lower))), ("LIST_QUAD", quads(offset_of!(Payload, first)))];
 
 /// Numbers, as WGSL declares them.
 const NUMBERS: [(&str, f32); 10] = [
@@ -56,9 +55,7 @@ const NUMBERS: [(&str, f32); 10] = [
 // What the parts in `wgsl/` read out of a quad without a constant for its place.
 const _: () = {
     assert!(offset_of!(Record, head) == 0 && offset_of!(Record, offset) == 4 && offset_of!(Record, neighbours) == 8);
-    assert!(offset_of!(Payload, sides) == 0);
-    assert!(offset_of!(Payload, upper) == offset_of!(Payload, lower) + 6);
-    assert!(offset_of!(Payload, next) == offset_of!(Payload, first) + 4);
+    assert!(offset_of!(BvhNode, sides) == 0);
     assert!(offset_of!(Block, vertices) == 0);
 };
 
@@ -72,7 +69,7 @@ const fn quads(bytes: usize) -> u32 {
 pub(crate) fn constants() -> String {
     let mut text =
         String::from("// The constants of core/src/contract.rs, core/src/layout and the functions that use them.\n");
-    for (name, value) in INTEGERS.into_iter().chain(PAYLOAD_PLACES) {
+    for (name, value) in INTEGERS {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "const {name}: u32 = {value:#x}u;");
     }

@@ -32,8 +32,8 @@ pub struct OctreeSetup {
     pub zero: u32,
     /// The hull's upper corner, likewise.
     pub hull_upper: [f32; 3],
-    /// Always 0.
-    pub unused: u32,
+    /// First quad of the nodes of the BVH.
+    pub bvh: u32,
 }
 
 impl OctreeSetup {
@@ -51,7 +51,8 @@ impl OctreeSetup {
             grid_bits: parts.header.grid_bits,
             hull_lower,
             hull_upper,
-            ..Self::zeroed()
+            bvh: quad(Section::Bvh),
+            zero: 0,
         }
     }
 }

@@ -37,8 +37,8 @@ fn small(gpu: &Gpu) {
 
 fn large(gpu: &Gpu) {
     static LARGE: OnceLock<Scene> = OnceLock::new();
-    // Small leaves list triangles often: large, and built in seconds.
-    let builder = Builder::new().step_cost(8.0).reference_budget(40.0);
+    // Small leaves: large, and built in seconds.
+    let builder = Builder::new().step_cost(1.0).reference_budget(40.0);
     let scene = LARGE.get_or_init(|| Scene::built_by(&builder, "large", meshes::shards(600_000, 0.01..0.05, 10.0, 7)));
     let bytes = size_of_val(scene.octree.as_words());
     assert!(bytes > 128 << 20, "only {bytes} bytes");

@@ -189,18 +189,3 @@ fn beams_too_narrow() {
         }
     }
 }
-
-#[test]
-fn triangles_forgotten_by_some_rays() {
-    // Needles, each in many blocks, of which the eights of a run meet now these, now those.
-    let mesh = meshes::shards(3000, 0.3..1.0, 30.0, 67);
-    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
-    let every = Every::<f32>::of(&octree);
-    let (centre, size) = extent(&mesh);
-    let source = |random: &mut Random| rays::coherent(Shared::Eights, &mesh, centre, size, random);
-    let check = |tracer: &CpuTracer<&[u32]>| differences(&[("batches", tracer)], &every, &source, scaled(RAYS), 67);
-    for tracer in [CpuTracer::new(octree.view()), testing::portable(CpuTracer::new(octree.view()))] {
-        check(&tracer).passes("tests of all rays", 0.05);
-        check(&testing::forgetting_rays(tracer)).catches("tests of some rays taken for all");
-    }
-}

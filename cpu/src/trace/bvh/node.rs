@@ -52,18 +52,24 @@ impl<L: Eight> NearFarBoxes<L> {
     }
 }
 
-/// Lower and upper sides of eight boxes, axis by axis: those of a node, or of a payload.
-pub(crate) type Sides = [[[u16; 8]; 2]; 3];
-
-/// Which of eight boxes a ray meets, a bit a lane, and t' where it enters them.
+/// Which of a node's eight boxes a ray meets, a bit a lane, and t' where it enters them.
 #[inline(always)]
-pub(crate) fn boxes_hit<L: Eight>(slabs: &Slabs<L>, order: L::Order, boxes: &Sides, nearest: &Nearest) -> (L, u32) {
-    let sides: [[L; 3]; 2] = [
-        unroll!(k in 0..3 => L::from_steps(&boxes[k][0], order)),
-        unroll!(k in 0..3 => L::from_steps(&boxes[k][1], order)),
-    ];
-    let (first, last) = slabs.clip(sides[0], sides[1], L::splat(nearest.t_min), L::splat(nearest.t));
+pub(crate) fn boxes_hit<L: Eight>(slabs: &Slabs<L>, order: L::Order, node: &BvhNode, nearest: &Nearest) -> (L, u32) {
+    let (first, last) = clip_boxes(slabs, order, node, (nearest.t_min, nearest.t));
     (first, first.at_most(last).to_bits())
+}
+
+/// The part of a part of a ray that lies in each of a node's eight boxes: see [`Slabs::clip`].
+#[inline(always)]
+pub(crate) fn clip_boxes<L: Eight>(
+    slabs: &Slabs<L>,
+    order: L::Order,
+    node: &BvhNode,
+    (first, last): (f32, f32),
+) -> (L, L) {
+    let lower = unroll!(k in 0..3 => L::from_steps(&node.sides[k][0], order));
+    let upper = unroll!(k in 0..3 => L::from_steps(&node.sides[k][1], order));
+    slabs.clip(lower, upper, L::splat(first), L::splat(last))
 }
 
 /// Tests the eight triangles of a block against a ray, and keeps the nearest hit.

@@ -38,8 +38,6 @@ use near::{EarliestEntry, along};
 
 /// Rays of a tile.
 const RAYS: usize = 8 * PACKETS;
-/// Triangles of which a tile remembers that it has tested them: a power of two.
-const MAILBOXES: usize = 64;
 /// Triangles tested from which on it is worth while to know which rays meet a box.
 const BEAM_TESTS: usize = 24;
 /// Tests above which rays are traced faster one by one: about as many as that takes.
@@ -60,14 +58,12 @@ const ALL: u32 = u32::MAX;
 pub(crate) struct Tiling {
     /// How far outside its planes a beam still looks.
     pub(crate) beam_margin: f32,
-    /// Takes a triangle for tested when only some of a tile's rays were tested against it.
-    pub(crate) forgets_rays: bool,
     /// Makes a tile of every run, however short it is, and however many tiles gave up.
     pub(crate) takes_every_run: bool,
 }
 
 impl Tiling {
-    pub(crate) const STANDARD: Self = Self { beam_margin: BEAM_MARGIN, forgets_rays: false, takes_every_run: false };
+    pub(crate) const STANDARD: Self = Self { beam_margin: BEAM_MARGIN, takes_every_run: false };
 }
 
 /// A tile under way.
@@ -89,8 +85,6 @@ pub(crate) struct Tile<'a, L: Eight> {
     hits: TileHits,
     /// The farthest t' that counts for any ray.
     last: f32,
-    mailboxes: [u32; MAILBOXES],
-    forgets_rays: bool,
     /// Triangles that were tested against packets, and rays against blocks, so far.
     tests: usize,
 }
@@ -116,8 +110,6 @@ impl<'a, L: Eight> Tile<'a, L> {
             entry: EarliestEntry::new(packets, axes[2], neg >> axes[2] & 1 == 1, corner[axes[2]]),
             last: hits.last::<L>(),
             hits,
-            mailboxes: [NONE; MAILBOXES],
-            forgets_rays: tiling.forgets_rays,
             tests: 0,
         })
     }
@@ -253,14 +245,9 @@ impl<'a, L: Eight> Tile<'a, L> {
             let lane = triangles.trailing_zeros() as usize % BLOCK_WIDTH;
             triangles &= triangles - 1;
             let primitive = block.primitives[lane];
-            let mailbox = &mut self.mailboxes[primitive as usize % MAILBOXES];
-            // Vacant lanes look like triangles that were tested.
-            if *mailbox == primitive || primitive == NONE {
+            // A vacant lane repeats the first triangle.
+            if primitive == NONE {
                 continue;
-            }
-            // Only what all rays were tested against need not be tested again.
-            if packets == ALL || self.forgets_rays {
-                *mailbox = primitive;
             }
             self.tests += 1;
             let triangle: [[L; 3]; 3] =

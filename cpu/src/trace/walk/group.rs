@@ -2,15 +2,16 @@
 
 use leafwalk_core::contract::PADDING;
 use leafwalk_core::lanes::{Bits as _, Mask as _};
-use leafwalk_core::layout::{Block, LINK_NONE, NONE, PAYLOAD_BLOCKS, Payload};
+use leafwalk_core::layout::{Block, Child, LINK_NONE, NONE};
 use leafwalk_core::step::{Cell, Slab, Step as _, cross, link_kind, neighbour};
 use leafwalk_core::triangle::Shear;
 use leafwalk_core::{Nearest, Parts, unroll};
 
-use super::Visit;
+use super::{Pending, Visit};
 use crate::lanes::Eight;
 use crate::trace::bvh::BlockSource;
-use crate::trace::bvh::node::{boxes_hit, test_block};
+use crate::trace::bvh::node::{clip_boxes, test_block};
+use crate::trace::bvh::stack::in_order;
 use crate::trace::packet::{Packet, Row, integers, load_integers};
 use crate::trace::query::Query;
 
@@ -106,36 +107,54 @@ impl Group {
         }
     }
 
-    /// Finds the blocks whose boxes the rays meet in their leaves, and asks for them.
+    /// Descends from what the leaves list to the blocks whose boxes the rays meet, and asks for them.
+    ///
+    /// Below an entry only that part of the ray counts that lies in the entry's box, which is cut to the leaf's cell: what it
+    /// meets outside belongs to other leaves.
     #[inline(always)]
     pub(super) fn meet<L: Eight, B: BlockSource>(
         &self,
         parts: &Parts<'_>,
         blocks: &B,
         first_lane: u32,
+        pending: &mut Vec<Pending>,
         visits: &mut Vec<Visit>,
     ) {
-        let order = L::order(0);
         let mut listing = self.listing;
         while listing != 0 {
             let lane = listing.trailing_zeros() as usize & 7;
             listing &= listing - 1;
-            let slabs = self.rays.slabs_of::<L>(lane);
-            let nearest = self.nearest(lane);
-            let mut next = self.payload[lane];
-            while let Some(payload) = parts.payloads.get(next as usize) {
-                let Payload { sides, count, first: first_block, .. } = payload;
-                let (first, met) = boxes_hit(&slabs, order, sides, &nearest);
-                let mut met = met & ((1 << count) - 1);
-                let first = first.to_array();
+            let (slabs, neg) = (self.rays.slabs_of::<L>(lane), self.rays.neg[lane]);
+            let order = L::order(neg);
+            let Some(mut node) = parts.payloads.get(self.payload[lane] as usize) else { continue };
+            let (mut part, mut is_payload) = ((self.rays.t_min[lane], self.t[lane]), true);
+            loop {
+                let (first, last) = clip_boxes(&slabs, order, node, part);
+                let mut met = in_order::<L>(neg, first.at_most(last).to_bits());
+                let (first, last) = (first.to_array(), last.to_array());
+                let waiting = pending.len();
                 while met != 0 {
-                    let at = met.trailing_zeros() as usize % PAYLOAD_BLOCKS;
+                    let place = met.trailing_zeros();
                     met &= met - 1;
-                    let block = first_block + at as u32;
-                    blocks.prefetch::<L>(block as usize);
-                    visits.push(Visit { lane: first_lane + lane as u32, block, first: first[at] });
+                    let slot = (place ^ neg) as usize & 7;
+                    let at = if L::IS_BY_SLOT { slot } else { place as usize & 7 };
+                    match Child::from_word(node.children[slot]) {
+                        Child::Block(block) => {
+                            blocks.prefetch::<L>(block as usize);
+                            visits.push(Visit { lane: first_lane + lane as u32, block, first: first[at] });
+                        }
+                        Child::Node(node) => {
+                            let part = if is_payload { (first[at], last[at]) } else { part };
+                            pending.push(Pending { node, part });
+                        }
+                        Child::Vacant => {}
+                    }
                 }
-                next = payload.next;
+                // The nearest is taken next.
+                pending[waiting..].reverse();
+                let Some(next) = pending.pop() else { break };
+                let Some(below) = parts.bvh.get(next.node as usize) else { break };
+                (node, part, is_payload) = (below, next.part, false);
             }
         }
     }

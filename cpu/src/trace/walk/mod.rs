@@ -6,7 +6,7 @@
 //!     no lane is free: rounds are made until one is
 //! a round, each line for all groups of eight:
 //!     look at the cells' records; ask for the payloads of those that list anything
-//!     test each such leaf's eight boxes at once; ask for the blocks that are met
+//!     descend from what each such leaf lists, eight boxes at once; ask for the blocks that are met
 //!     test the blocks, eight triangles at once, but for those that begin behind a hit
 //!     step into the next cells; ask for their records
 //!     answer the rays that end, whose lanes are free from then on
@@ -48,11 +48,21 @@ struct Visit {
     first: f32,
 }
 
+/// A node below a leaf that a ray is to descend to.
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    node: u32,
+    /// The part of the ray, from t' to t', that lies in the leaf's box around it.
+    part: (f32, f32),
+}
+
 /// Rays under way.
 pub(crate) struct Walk {
     groups: Box<[Group; GROUPS]>,
     /// The lanes without a ray, a bit each.
     free: u32,
+    /// The nodes that a ray has still to descend to in its leaf.
+    pending: Vec<Pending>,
     /// The blocks to visit in this round.
     visits: Vec<Visit>,
     room: Option<Block>,
@@ -61,7 +71,7 @@ pub(crate) struct Walk {
 impl Walk {
     pub(crate) fn new() -> Self {
         let groups = Box::new([const { Group::EMPTY }; GROUPS]);
-        Self { groups, free: ALL, visits: Vec::new(), room: None }
+        Self { groups, free: ALL, pending: Vec::new(), visits: Vec::new(), room: None }
     }
 
     /// Takes in the rays of a packet, while others are traced to make room; without a packet, traces all to the end. The
@@ -101,13 +111,13 @@ impl Walk {
     /// Brings each ray through its cell into the next.
     #[inline(always)]
     fn round<L: Eight, B: BlockSource, Q: Query>(&mut self, parts: &Parts<'_>, blocks: &B, answers: &mut [Q::Answer]) {
-        let Self { groups, free, visits, room } = self;
+        let Self { groups, free, pending, visits, room } = self;
         for group in groups.iter_mut() {
             group.look::<L>(parts);
         }
         visits.clear();
         for (number, group) in groups.iter().enumerate() {
-            group.meet::<L, B>(parts, blocks, 8 * number as u32, visits);
+            group.meet::<L, B>(parts, blocks, 8 * number as u32, pending, visits);
         }
         for Visit { lane, block, first } in visits.iter() {
             let group = &mut groups[*lane as usize / 8 % GROUPS];

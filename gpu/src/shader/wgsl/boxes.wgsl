@@ -15,13 +15,6 @@ fn slabs_of(origin: vec3<f32>, inverse: vec3<f32>) -> Slabs {
     return Slabs(inverse, select(lower, upper, is_negative), select(upper, lower, is_negative));
 }
 
-// core/src/trace.rs: Search::meets; the corners as the ray meets them
-fn meets(slabs: Slabs, near: vec3<f32>, far: vec3<f32>, first: f32, last: f32) -> bool {
-    let enter = near * slabs.inverse + slabs.near;
-    let leave = far * slabs.inverse + slabs.far;
-    return max(max(first, enter.x), max(enter.y, enter.z)) <= min(min(last, leave.x), min(leave.y, leave.z));
-}
-
 // core/src/slabs.rs: Slabs::clip, at the near sides of four boxes along an axis
 fn clip_near(first: vec4<f32>, near: vec4<f32>, slabs: Slabs, axis: u32) -> vec4<f32> {
     return max(first, near * pick(slabs.inverse, axis) + pick(slabs.near, axis));

@@ -11,7 +11,7 @@ struct Setup {
     hull_lower: vec3<f32>,
     zero: u32,
     hull_upper: vec3<f32>,
-    unused: u32,
+    bvh: u32,
 }
 
 @group(0) @binding(0) var<uniform> setup: Setup;
