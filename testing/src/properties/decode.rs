@@ -96,7 +96,7 @@ fn sealed(mut words: Vec<u32>) -> Vec<u32> {
     words
 }
 
-/// Nothing; one leaf; levels with coarser and finer neighbours; a chain. Then all of them compact.
+/// Nothing; one leaf; levels with coarser and finer neighbours; leaves that list nodes. Then all of them compact.
 fn valid() -> [Octree<Vec<u32>>; 8] {
     let speck = |i: u32, size: f32, at: [f32; 3]| -> [[f32; 3]; 3] {
         let turn = |c: u32| size * ((i * 7 + c * 5) % 11) as f32 / 11.0;
@@ -110,7 +110,7 @@ fn valid() -> [Octree<Vec<u32>>; 8] {
         let material_ids = (0..corners.len() as u32).collect();
         Mesh { positions: corners.as_flattened().to_vec(), triangles, material_ids }
     };
-    let chained: Vec<_> = (0..150).map(|i| speck(i, 1.0, [0.0; 3])).collect();
+    let crowded: Vec<_> = (0..150).map(|i| speck(i, 1.0, [0.0; 3])).collect();
     let packed = Builder::new().step_cost(0.5).max_level(6);
     let builders = [packed.clone(), packed.compact()];
     let build = |i: usize| {
@@ -119,7 +119,7 @@ fn valid() -> [Octree<Vec<u32>>; 8] {
             0 => builder.build(&Mesh::default()),
             1 => builder.build(&mesh(&scattered[..1])),
             2 => builder.build(&mesh(&scattered)),
-            _ => builder.clone().max_level(1).build(&mesh(&chained)),
+            _ => builder.clone().max_level(1).build(&mesh(&crowded)),
         }
     };
     core::array::from_fn(|i| build(i).expect("a valid mesh"))
