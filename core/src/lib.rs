@@ -44,6 +44,7 @@ mod normal;
 pub mod numbers;
 mod octree;
 mod parts;
+pub mod plane;
 mod policy;
 mod ray;
 mod ray_f64;

@@ -3,9 +3,10 @@
 //! Corners come permuted: axis 2 is the one along which the ray's direction is largest. A loader picks arrays in that
 //! order for nothing, so the test itself never moves data.
 
-use crate::contract::{ROUNDOFF, SMALLEST, SMALLEST_SHEARED};
+use crate::contract::{SMALLEST, SMALLEST_SHEARED};
 use crate::lanes::{Lanes, Mask};
 use crate::layout::LATTICE;
+use crate::plane::{self, CANCELLATION, PLANE_SLACK};
 use crate::ray::CanonicalRay;
 use crate::unroll;
 
@@ -15,9 +16,9 @@ use crate::unroll;
 /// 8.
 pub const CANDIDATE_SLACK: f32 = 8.0 * LATTICE as f32 * SMALLEST_SHEARED;
 
-/// How far the distance to a triangle in a plane across an axis may lie from the one that its corners' weights give, in
-/// largest distances t' of its corners: the weights are hardly ever wrong by more.
-pub const PLANE_SLACK: f32 = 6.0 * ROUNDOFF;
+/// A depth times this is less than the largest of its terms where it is no more than [`PLANE_SLACK`] times that behind the
+/// origin. Those farther behind stay there in the plane, too, and are not computed anew.
+pub const BEHIND: f32 = -1.0 / PLANE_SLACK;
 
 /// The ray's part of the test: everything that does not depend on the triangle.
 #[derive(Clone, Copy, Debug)]
@@ -146,40 +147,29 @@ impl<L: Lanes> Sheared<L> {
         let positive = zero.less(u) | zero.less(v) | zero.less(w);
         let accepted = (negative | positive) & !(negative & positive);
 
-        let sum = (u + v) + w;
-        let (v, w) = (v / sum, w / sum);
-        let depths @ [az, bz, cz]: [L; 3] = unroll!(c in 0..3 => shear.slope[2] * self.z[c]);
-        let t = az + (v * (bz - az) + w * (cz - az));
-        let t = in_axis_plane(shear, corners, depths, t, accepted);
+        let area = (u + v) + w;
+        let (v, w) = (v / area, w / area);
+        let [az, bz, cz] = self.z;
+        let towards_b = v * (bz - az);
+        let depth = az + (towards_b + w * (cz - az));
+        let mut t = depth * shear.slope[2];
+        let largest = az.abs().max(towards_b.abs());
+        let is_short = (t * L::splat(CANCELLATION)).less(largest) & (t * L::splat(BEHIND)).less(largest);
+        let mut short = (is_short & accepted).to_bits();
+        while short != 0 {
+            let lane = short.trailing_zeros() as usize;
+            short &= short - 1;
+            let shear = Shear {
+                origin: unroll!(k in 0..3 => shear.origin[k].lane(lane)),
+                slope: unroll!(k in 0..3 => shear.slope[k].lane(lane)),
+            };
+            let corners = unroll!(c in 0..3 => unroll!(k in 0..3 => corners[c][k].lane(lane)));
+            let weights = [v.lane(lane), w.lane(lane)];
+            let (area, by_weights, largest) = (area.lane(lane), depth.lane(lane), largest.lane(lane));
+            t = t.with_lane(lane, plane::met(&shear, &corners, weights, area, by_weights, largest) * shear.slope[2]);
+        }
         (accepted, Candidate { t: t.flush(SMALLEST), u: v.flush(SMALLEST), v: w.flush(SMALLEST) })
     }
-}
-
-/// The distance of a triangle that lies in a plane across axis 0 or 1: where the ray meets that plane, but no farther than
-/// [`PLANE_SLACK`] from `t`, the distance that the weights of the corners give. Of other triangles it is `t`.
-///
-/// Grounds and walls are such triangles. The weights carry the rounding of corners that may be far away, the plane only
-/// that of its own distance. Only triangles that are accepted need it.
-#[inline(always)]
-fn in_axis_plane<L: Lanes>(
-    shear: &Shear<L>,
-    [a, b, c]: &[[L; 3]; 3],
-    [az, bz, cz]: [L; 3],
-    t: L,
-    accepted: L::Mask,
-) -> L {
-    let (is_x, is_y) = (a[0].equal(b[0]), a[1].equal(b[1]));
-    if !((is_x | is_y) & accepted).any() {
-        return t;
-    }
-    let (is_x, is_y) = (is_x & a[0].equal(c[0]), is_y & a[1].equal(c[1]));
-    let slope = shear.slope[0].or_else(is_x, shear.slope[1]);
-    let height = (a[0] - shear.origin[0]).or_else(is_x, a[1] - shear.origin[1]);
-    let met = height / slope * shear.slope[2];
-    let slack = az.abs().max(bz.abs().max(cz.abs())) * L::splat(PLANE_SLACK);
-    let met = (t - slack).max(met.min(t + slack));
-    // A ray along the plane meets it nowhere.
-    met.or_else((is_x | is_y) & !slope.equal(L::splat(0.0)), t)
 }
 
 /// `a * b - c * d` with a sign that is exact and an error of at most 2 roundoffs (Cornea, Harrison & Tang 2002).

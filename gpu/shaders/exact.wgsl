@@ -29,7 +29,11 @@ const SMALLEST: f32 = 0x1p-60f;
 const SMALLEST_DIRECTION: f32 = 0x1p-40f;
 const SMALLEST_SHEARED: f32 = 0x1p-38f;
 const CANDIDATE_SLACK: f32 = 0x1p-19f;
+const CANCELLATION: f32 = 0x1p3f;
+const BEHIND: f32 = -0xaaaaabp-2f;
 const PLANE_SLACK: f32 = 0x3p-23f;
+const SMALLEST_WEIGHT: f32 = 0x1p-20f;
+const SMALLEST_AREA: f32 = 0x1p-76f;
 const STEEP: f32 = 0x1p60f;
 const FAR_BEHIND: f32 = -0x1p56f;
 
@@ -451,19 +455,71 @@ fn sheared(shear: Shear, point: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(sub(p.x, mul(shear.slope.x, p.z)), sub(p.y, mul(shear.slope.y, p.z)), p.z);
 }
 
-// core/src/triangle.rs: in_axis_plane, of a triangle that was accepted; `depths` are t' of its corners
-fn in_axis_plane(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, depths: vec3<f32>, t: f32) -> f32 {
-    let is_x = a.x == b.x && a.x == c.x;
-    let is_y = a.y == b.y && a.y == c.y;
-    let slope = select(shear.slope.y, shear.slope.x, is_x);
-    if !(is_x || is_y) || slope == 0.0 {
-        return t;
+// core/src/plane.rs: sum
+fn sum_of(a: f32, b: f32) -> vec2<f32> {
+    let sum = add(a, b);
+    let other = sub(sum, a);
+    return vec2<f32>(sum, add(sub(a, sub(sum, other)), sub(b, other)));
+}
+
+// core/src/plane.rs: Interpolated
+struct Interpolated {
+    at: vec2<f32>,
+    ab: f32,
+    ac: f32,
+}
+
+// core/src/plane.rs: Interpolated::new, of the coordinates of three corners on one axis
+fn interpolated(origin: f32, a: f32, b: f32, c: f32, v: f32, w: f32) -> Interpolated {
+    let from_origin = sum_of(a, -origin);
+    let ab = sum_of(b, -a);
+    let ac = sum_of(c, -a);
+    let p = mul(v, ab.x);
+    let q = mul(w, ac.x);
+    let moved = sum_of(p, q);
+    let at = sum_of(from_origin.x, moved.x);
+    let products = add(product_error(v, ab.x, p), product_error(w, ac.x, q));
+    let rests = add(from_origin.y, add(mul(v, ab.y), mul(w, ac.y)));
+    return Interpolated(vec2<f32>(at.x, add(add(add(moved.y, at.y), products), rests)), ab.x, ac.x);
+}
+
+// core/src/plane.rs: Interpolated::beside
+fn beside(at: vec2<f32>, depth: vec2<f32>, slope: f32) -> f32 {
+    let product = mul(slope, depth.x);
+    let rest = sub(sub(at.y, product_error(slope, depth.x, product)), mul(slope, depth.y));
+    return flush(add(sub(at.x, product), rest), SMALLEST_SHEARED);
+}
+
+// core/src/plane.rs: met, for corners that are a, b and c
+fn met(
+    shear: Shear,
+    a: vec3<f32>,
+    b: vec3<f32>,
+    c: vec3<f32>,
+    of_b: f32,
+    of_c: f32,
+    area: f32,
+    by_weights: f32,
+    largest: f32,
+) -> f32 {
+    if abs(area) < SMALLEST_AREA || largest < SMALLEST_SHEARED {
+        return by_weights;
     }
-    let height = select(sub(a.y, shear.origin.y), sub(a.x, shear.origin.x), is_x);
-    let met = mul(divide(height, slope), shear.slope.z);
-    let size = abs(depths);
-    let slack = mul(max(size.x, max(size.y, size.z)), PLANE_SLACK);
-    return max(sub(t, slack), min(met, add(t, slack)));
+    let v = flush(of_b, SMALLEST_WEIGHT);
+    let w = flush(of_c, SMALLEST_WEIGHT);
+    let x = interpolated(shear.origin.x, a.x, b.x, c.x, v, w);
+    let y = interpolated(shear.origin.y, a.y, b.y, c.y, v, w);
+    let z = interpolated(shear.origin.z, a.z, b.z, c.z, v, w);
+    let depth = vec2<f32>(flush(z.at.x, SMALLEST_SHEARED), flush(z.at.y, SMALLEST_SHEARED));
+    let beside_x = beside(x.at, depth, shear.slope.x);
+    let beside_y = beside(y.at, depth, shear.slope.y);
+    let normal_x = flush(sub(mul(y.ac, z.ab), mul(z.ac, y.ab)), SMALLEST_AREA);
+    let normal_y = flush(sub(mul(z.ac, x.ab), mul(x.ac, z.ab)), SMALLEST_AREA);
+    let to_ray = flush(divide(add(mul(normal_x, beside_x), mul(normal_y, beside_y)), area), SMALLEST_SHEARED);
+    let found = add(depth.x, add(depth.y, to_ray));
+    let sizes = abs(vec3<f32>(sub(a.z, shear.origin.z), sub(b.z, shear.origin.z), sub(c.z, shear.origin.z)));
+    let slack = mul(max(sizes.x, max(sizes.y, sizes.z)), PLANE_SLACK);
+    return max(sub(by_weights, slack), min(found, add(by_weights, slack)));
 }
 
 // core/src/triangle.rs: Sheared::finish
@@ -490,14 +546,16 @@ fn finish(shear: Shear, block: u32, lane: u32) -> Candidate {
     if is_negative == is_positive {
         return Candidate(false, 0.0, 0.0, 0.0);
     }
-    let sum = add(add(u, v), w);
-    let of_b = divide(v, sum);
-    let of_c = divide(w, sum);
-    let az = mul(shear.slope.z, a.z);
-    let bz = mul(shear.slope.z, b.z);
-    let cz = mul(shear.slope.z, c.z);
-    let by_weights = add(az, add(mul(of_b, sub(bz, az)), mul(of_c, sub(cz, az))));
-    let t = in_axis_plane(shear, corners[0], corners[1], corners[2], vec3<f32>(az, bz, cz), by_weights);
+    let area = add(add(u, v), w);
+    let of_b = divide(v, area);
+    let of_c = divide(w, area);
+    let towards_b = mul(of_b, sub(b.z, a.z));
+    let depth = add(a.z, add(towards_b, mul(of_c, sub(c.z, a.z))));
+    var t = mul(depth, shear.slope.z);
+    let largest = max(abs(a.z), abs(towards_b));
+    if mul(t, CANCELLATION) < largest && mul(t, BEHIND) < largest {
+        t = mul(met(shear, corners[0], corners[1], corners[2], of_b, of_c, area, depth, largest), shear.slope.z);
+    }
     return Candidate(true, flush(t, SMALLEST), flush(of_b, SMALLEST), flush(of_c, SMALLEST));
 }
 

@@ -6,7 +6,7 @@ use core::mem::offset_of;
 
 use leafwalk_core::contract;
 use leafwalk_core::layout::{self, Block, BvhNode, Child, Record};
-use leafwalk_core::{lanes, step, tables, triangle};
+use leafwalk_core::{lanes, plane, step, tables, triangle};
 
 /// Invocations of a workgroup: whole subgroups of most hardware, where they are 32 or 64 wide.
 pub(crate) const WORKGROUP: u32 = 64;
@@ -39,7 +39,7 @@ const INTEGERS: [(&str, u32); 21] = [
 ];
 
 /// Numbers, as WGSL declares them.
-const NUMBERS: [(&str, f32); 10] = [
+const NUMBERS: [(&str, f32); 14] = [
     ("PADDING", contract::PADDING),
     ("BOX_MARGIN", contract::BOX_MARGIN),
     ("START_MARGIN", contract::START_MARGIN),
@@ -47,7 +47,11 @@ const NUMBERS: [(&str, f32); 10] = [
     ("SMALLEST_DIRECTION", contract::SMALLEST_DIRECTION),
     ("SMALLEST_SHEARED", contract::SMALLEST_SHEARED),
     ("CANDIDATE_SLACK", triangle::CANDIDATE_SLACK),
-    ("PLANE_SLACK", triangle::PLANE_SLACK),
+    ("CANCELLATION", plane::CANCELLATION),
+    ("BEHIND", triangle::BEHIND),
+    ("PLANE_SLACK", plane::PLANE_SLACK),
+    ("SMALLEST_WEIGHT", plane::SMALLEST_WEIGHT),
+    ("SMALLEST_AREA", plane::SMALLEST_AREA),
     ("STEEP", step::STEEP),
     ("FAR_BEHIND", step::FAR_BEHIND),
 ];
