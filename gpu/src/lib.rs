@@ -3,7 +3,7 @@
 //! An octree of `leafwalk-core` holds two structures over the same blocks of triangles: an octree whose leaves know their
 //! face neighbours, and a bounding volume hierarchy of eight children a node. Wide CPUs descend the hierarchy. A shader
 //! walks the octree, as small machines do: from the leaf that a ray starts in to the neighbour behind the face that it
-//! leaves by, with no stack and few registers. No answer depends on which of the two is used.
+//! leaves by, with few registers, and a stack in full leaves alone. No answer depends on which of the two is used.
 //!
 //! The words of the octree are uploaded as they are in the file; the shader's constants are printed from `leafwalk-core`,
 //! and each of its functions follows a function there. In the flavour [`Flavour::Exact`] the driver cannot fuse, regroup
