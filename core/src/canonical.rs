@@ -170,8 +170,8 @@ impl Frame {
         self.prepare().canonical(ray)
     }
 
-    /// The same of a ray in f64, which is rounded once: its origin as seen from the anchor, or, where that is far, the
-    /// point at which it enters the root.
+    /// The canonical form of a ray of f64. What is rounded, once, is its origin as seen from the anchor; or, where that is
+    /// far away, the point at which it enters the root.
     pub fn canonical_f64(&self, ray: &RayF64) -> Option<CanonicalRay> {
         if !ray.is_valid() {
             return None;

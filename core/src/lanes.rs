@@ -68,7 +68,7 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     fn from_integers(integers: Self::Bits) -> Self;
     /// The number of one lane.
     fn lane(self, lane: usize) -> f32;
-    /// With another number in one lane.
+    /// These numbers, but for the one in a lane, which becomes `value`.
     fn with_lane(self, lane: usize, value: f32) -> Self;
     /// 1 where the mask is true, else 0.
     fn indicator(mask: Self::Mask) -> Self::Bits;

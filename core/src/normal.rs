@@ -58,8 +58,9 @@ pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 /// The vector of length 1 in the same direction; `None` for zero.
 ///
-/// Of coordinates of f32, edges are 0 or 2^-149 to 2^130 long, and normals 0 or 2^-298 to 2^260: their squares neither
-/// overflow nor vanish in f64. Of coordinates of f64, triangles under 2^-256 in size count as having no area.
+/// Where a triangle's corners are numbers of f32, its edges are 0 or 2^-149 to 2^130 long, and its normal 0 or 2^-298 to
+/// 2^260: their squares neither overflow nor vanish in f64. Where they are of f64, triangles under 2^-256 in size count as
+/// having no area.
 pub(crate) fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
     let squared = dot(vector, vector);
     (squared >= f64::MIN_POSITIVE).then(|| {

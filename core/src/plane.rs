@@ -103,3 +103,53 @@ fn sum(a: f32, b: f32) -> [f32; 2] {
     let other = sum - a;
     [sum, (a - (sum - other)) + (b - other)]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::LATTICE;
+    use crate::triangle::Sheared;
+
+    /// A number from -1 to 1.
+    fn random(seed: &mut u32) -> f32 {
+        *seed = seed.wrapping_mul(0x0019_660d).wrapping_add(0x3c6e_f35f);
+        (*seed >> 8) as f32 / (1 << 23) as f32 - 1.0
+    }
+
+    /// Rays that start close to tilted triangles as large as a scene, such as bounces in a room. The truth is the plane in
+    /// f64, whose rounding is thousands of times smaller. A few are needles, or reach the limit beside the weights' depth.
+    #[test]
+    fn short_hits_are_off_by_a_few_roundoffs() {
+        const EDGE: f32 = LATTICE as f32;
+        let seed = &mut 5;
+        let (mut hits, mut off, mut off_by_weights) = (0, 0, 0);
+        while hits < 2000 {
+            // Roughly across the ray, which goes along axis 2.
+            let height = [0.3 * random(seed), 0.3 * random(seed)];
+            let corners: [[f32; 3]; 3] = core::array::from_fn(|_| {
+                let (x, y) = (EDGE * random(seed), EDGE * random(seed));
+                [x, y, height[0] * x + height[1] * y + EDGE * random(seed) * 0.1]
+            });
+            let origin = [random(seed), random(seed), random(seed)].map(|c| c * EDGE * 0.2);
+            let shear = Shear { origin, slope: [0.4 * random(seed), 0.4 * random(seed), 1.0] };
+            let [o, a, b, c] = [origin, corners[0], corners[1], corners[2]].map(|point| point.map(f64::from));
+            let from = |p: [f64; 3], q: [f64; 3]| [q[0] - p[0], q[1] - p[1], q[2] - p[2]];
+            let normal = crate::normal::cross(from(a, b), from(a, c));
+            let along = [f64::from(shear.slope[0]), f64::from(shear.slope[1]), 1.0];
+            let truth = crate::normal::dot(normal, from(o, a)) / crate::normal::dot(normal, along);
+            let sheared = Sheared::<f32>::new(&shear, corners);
+            let (is_hit, found) = sheared.finish(&shear, &corners);
+            // A thousandth of the corners' distance.
+            if !is_hit || !(1.0..f64::from(EDGE) / 1000.0).contains(&truth) {
+                continue;
+            }
+            hits += 1;
+            let is_off = |t: f32| (f64::from(t) - truth).abs() > 8.0 * f64::from(ROUNDOFF) * truth;
+            let [az, bz, cz] = corners.map(|corner| corner[2] - origin[2]);
+            off += u32::from(is_off(found.t));
+            off_by_weights += u32::from(is_off(az + (found.u * (bz - az) + found.v * (cz - az))));
+        }
+        assert!(off < hits / 100, "{off} of {hits} are off");
+        assert!(off_by_weights > hits / 4, "by the weights alone many are to be off: {off_by_weights} of {hits}");
+    }
+}

@@ -53,7 +53,7 @@ impl RayF64 {
 }
 
 impl From<Ray> for RayF64 {
-    /// The same ray.
+    /// Nothing is rounded, since f64 holds every number of f32.
     fn from(ray: Ray) -> Self {
         let Ray { origin, t_min, direction, t_max } = ray;
         Self::between(origin.map(f64::from), direction.map(f64::from), t_min.into(), t_max.into())

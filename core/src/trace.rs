@@ -128,14 +128,14 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         visitor: &mut impl FnMut(u32, &Cell<f32>),
     ) -> Search<'r> {
         let mut search = Search { ray, nearest: Nearest::new(ray), work: Work::default() };
-        // In a leaf, the nodes on the way down.
-        let mut path = [Visit::NONE; MAX_DEPTH];
         let line = Line::new(ray.within, ray.direction);
         let span = Span::new(&line, ray.t_min, ray.t_max, &self.hull);
         if !span.is_met {
             return search;
         }
         let probe = Probe::new(ray, &line);
+        // In a leaf, the nodes on the way down.
+        let mut path = [Entered::NONE; MAX_DEPTH];
         let (mut number, mut cell) = self.parts.locate(span.start, line.neg);
         loop {
             visitor(number, &cell);
@@ -170,21 +170,21 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         payload: u32,
         probe: &Probe,
         search: &mut Search<'_>,
-        path: &mut [Visit<'a>; MAX_DEPTH],
+        path: &mut [Entered<'a>; MAX_DEPTH],
     ) {
         let mut room = None;
         let all = (search.ray.t_min, search.ray.t_max);
         let mut part = all;
-        let mut visit = probe.enter(&self.parts.payloads[payload as usize], part, search.nearest.t);
+        let mut entered = probe.enter(&self.parts.payloads[payload as usize], part, search.nearest.t);
         let mut depth = 0;
         loop {
-            let Visit { node, waiting } = &mut visit;
+            let Entered { node, waiting } = &mut entered;
             if *waiting == 0 {
                 if depth == 0 {
                     return;
                 }
                 depth -= 1;
-                visit = path[depth];
+                entered = path[depth];
                 if depth == 0 {
                     part = all;
                 }
@@ -206,9 +206,9 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
                     if depth == 0 {
                         part = met;
                     }
-                    path[depth] = visit;
+                    path[depth] = entered;
                     depth += 1;
-                    visit = probe.enter(&self.parts.bvh[number as usize], part, search.nearest.t);
+                    entered = probe.enter(&self.parts.bvh[number as usize], part, search.nearest.t);
                 }
                 Child::Block(number) => {
                     search.work.blocks += 1;
@@ -238,13 +238,13 @@ struct Probe {
 
 /// A node that a ray has entered.
 #[derive(Clone, Copy)]
-struct Visit<'a> {
+struct Entered<'a> {
     node: &'a BvhNode,
     /// The children whose boxes are met and that have not been visited, a bit each, in the ray's order: slot XOR octant.
     waiting: u32,
 }
 
-impl Visit<'_> {
+impl Entered<'_> {
     const NONE: Self = Self { node: &BvhNode::VACANT, waiting: 0 };
 }
 
@@ -264,7 +264,7 @@ impl Probe {
     }
 
     /// Tests all eight boxes of a node against a part of the ray, in loops that compilers turn into SIMD.
-    fn enter<'a>(&self, node: &'a BvhNode, part: (f32, f32), nearest: f32) -> Visit<'a> {
+    fn enter<'a>(&self, node: &'a BvhNode, part: (f32, f32), nearest: f32) -> Entered<'a> {
         let mut first = [part.0; BVH_WIDTH];
         let mut last = [Lanes::min(part.1, nearest); BVH_WIDTH];
         let (near, far) = (node.near_sides(self.neg), node.near_sides(!self.neg));
@@ -278,7 +278,7 @@ impl Probe {
         for slot in 0..BVH_WIDTH {
             met |= u32::from(first[slot] <= last[slot]) << slot;
         }
-        Visit { node, waiting: in_order(met, self.neg) }
+        Entered { node, waiting: in_order(met, self.neg) }
     }
 
     /// The part of a part of the ray that lies in a child's box, before the nearest hit.

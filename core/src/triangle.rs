@@ -16,8 +16,9 @@ use crate::unroll;
 /// 8.
 pub const CANDIDATE_SLACK: f32 = 8.0 * LATTICE as f32 * SMALLEST_SHEARED;
 
-/// A depth times this is less than the largest of its terms where it is no more than [`PLANE_SLACK`] times that behind the
-/// origin. Those farther behind stay there in the plane, too, and are not computed anew.
+/// Tells hits that may lie in front of the origin: a depth, times this, is less than the largest of its terms unless the hit
+/// lies farther behind than [`PLANE_SLACK`] times that term. Such a hit stays behind wherever its plane is met, so it is not
+/// computed anew.
 pub const BEHIND: f32 = -1.0 / PLANE_SLACK;
 
 /// The ray's part of the test: everything that does not depend on the triangle.

@@ -198,7 +198,8 @@ fn is_wide_coordinate(property: &PropertyDef) -> bool {
     is_wide && COORDINATES.contains(&property.name.as_str())
 }
 
-/// The same element with coordinates of `float`: f64 in between would round text twice.
+/// The element as if its coordinates were declared `float`. Read so, text becomes f32 in one rounding; by way of f64 it
+/// would be rounded twice.
 fn with_floats(element: &ElementDef) -> ElementDef {
     let mut element = element.clone();
     for axis in COORDINATES {
@@ -239,7 +240,7 @@ impl PropertyAccess for Vertex {
         match property {
             Property::Int(value) => self.set(name, value.into()),
             Property::UInt(value) => self.set(name, value.into()),
-            // Of the other types f32 holds all numbers.
+            // All numbers of the other integer types are numbers of f32.
             _ => property.to_f32_lossy().map_or(PropertyAccessResult::Ignored, |value| self.set(name, value.into())),
         }
     }

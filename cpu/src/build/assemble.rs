@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::bvh::Hierarchy;
 use super::compact::index;
 use super::error::BuildError;
-use super::leaf::{Blocks, Lister};
+use super::leaf::{BlockIndex, Lister};
 use super::link::{link, listing};
 use super::monitor::Monitor;
 use super::normalise::Normalised;
@@ -128,7 +128,7 @@ fn list_leaves(
     settings: &Settings,
     monitor: &Monitor<'_>,
 ) -> Result<Vec<BvhNode>, BuildError> {
-    let blocks = Blocks::new(hierarchy);
+    let blocks = BlockIndex::new(hierarchy);
     let list = |leaves: &[u32]| {
         monitor.check_cancelled()?;
         let mut lister = Lister::new(&normalised.frame, &normalised.triangles, &blocks, settings);

@@ -10,8 +10,8 @@ use super::bvh::{Hierarchy, by_octant};
 use super::part::Cell;
 use super::settings::Settings;
 
-/// The hierarchy, seen from its triangles.
-pub(crate) struct Blocks<'a> {
+/// Which block holds each triangle, and which blocks lie below each node.
+pub(crate) struct BlockIndex<'a> {
     nodes: &'a [BvhNode],
     /// Per triangle, by its place in the list of all, its block.
     of_triangle: Vec<u32>,
@@ -19,7 +19,7 @@ pub(crate) struct Blocks<'a> {
     below: Vec<Range<u32>>,
 }
 
-impl<'a> Blocks<'a> {
+impl<'a> BlockIndex<'a> {
     pub(crate) fn new(hierarchy: &'a Hierarchy) -> Self {
         let nodes = &hierarchy.nodes;
         let mut of_triangle = vec![0; hierarchy.triangles.len()];
@@ -70,7 +70,7 @@ struct Entry {
 pub(crate) struct Lister<'a> {
     frame: &'a Frame,
     triangles: &'a [Triangle],
-    blocks: &'a Blocks<'a>,
+    blocks: &'a BlockIndex<'a>,
     settings: &'a Settings,
     parts: Vec<Met>,
     met: Vec<Met>,
@@ -80,7 +80,7 @@ impl<'a> Lister<'a> {
     pub(crate) fn new(
         frame: &'a Frame,
         triangles: &'a [Triangle],
-        blocks: &'a Blocks<'a>,
+        blocks: &'a BlockIndex<'a>,
         settings: &'a Settings,
     ) -> Self {
         Self { frame, triangles, blocks, settings, parts: Vec::new(), met: Vec::new() }

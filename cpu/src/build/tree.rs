@@ -323,13 +323,16 @@ impl Grower<'_> {
     /// What the words and the lists in use will take, before either is allocated.
     fn check_memory(&self, lists: usize) -> Result<(), BuildError> {
         const BYTES_PER_LISTED: u64 = 5;
-        // A reference ends as 40 bytes in a block, of which an eighth is vacant, and as 4 in a list.
-        const BYTES_PER_REFERENCE: u64 = 50;
+        // A reference is a number here, and then a block and its box where leaves are listed.
+        const BYTES_PER_REFERENCE: u64 = 4 + 20;
+        // An item of the hierarchy and a number of its block; and 40 bytes in a block, with what leads there.
+        const BYTES_PER_TRIANGLE: u64 = 32 + 8 + 50;
+        // A node here, and its record, key and payload.
         const BYTES_PER_NODE: u64 = 200;
         let bytes = lists as u64 * BYTES_PER_LISTED
             + self.total as u64 * BYTES_PER_REFERENCE
             + self.tree.nodes.len() as u64 * BYTES_PER_NODE
-            + self.triangles.len() as u64 * size_of::<Triangle>() as u64;
+            + self.triangles.len() as u64 * (BYTES_PER_TRIANGLE + size_of::<Triangle>() as u64);
         self.settings.check_memory(bytes)
     }
 }

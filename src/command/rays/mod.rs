@@ -21,9 +21,9 @@ const COLUMN_COUNTS: core::ops::RangeInclusive<usize> = 6..=COLUMNS.len();
 
 /// The rays of a file, in its precision.
 pub(crate) enum Rays {
-    /// Of npy files with items f4.
+    /// From an npy file whose items are f4.
     F32(Vec<Ray>),
-    /// Of npy files with items f8, and of all CSV files.
+    /// From an npy file whose items are f8, or from a CSV file.
     F64(Vec<RayF64>),
 }
 

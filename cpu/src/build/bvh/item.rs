@@ -1,31 +1,9 @@
-//! What the hierarchy is made of: triangles with their boxes, and boxes four numbers at a time.
+//! What the hierarchy is made of: triangles with their boxes, and parts of them.
 
 use leafwalk_core::layout::Triangle;
 use wide::f32x4;
 
-/// A box in lattice coordinates; the fourth lanes mean nothing.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Box3 {
-    pub(super) lower: f32x4,
-    pub(super) upper: f32x4,
-}
-
-impl Box3 {
-    pub(super) const EMPTY: Self =
-        Self { lower: f32x4::new([f32::INFINITY; 4]), upper: f32x4::new([f32::NEG_INFINITY; 4]) };
-
-    #[inline]
-    pub(super) fn join(self, other: Self) -> Self {
-        Self { lower: self.lower.fast_min(other.lower), upper: self.upper.fast_max(other.upper) }
-    }
-
-    /// Half of a box's surface in square lattice steps.
-    #[inline]
-    pub(super) fn area(self) -> f32 {
-        let [x, y, z, _] = (self.upper - self.lower).to_array();
-        x * y + y * z + z * x
-    }
-}
+use crate::build::span::{Span, lanes};
 
 /// A triangle to be put somewhere.
 #[derive(Clone, Copy, Debug)]
@@ -38,17 +16,18 @@ pub(super) struct Item {
 
 impl Item {
     pub(super) fn new(number: u32, triangle: &Triangle) -> Self {
-        let [a, b, c] = triangle.corners.map(|[x, y, z]| f32x4::new([x, y, z, 0.0]));
-        let half = |half: u32| f32x4::new([0.0, 0.0, 0.0, half as f32]);
-        Self {
-            lower: a.fast_min(b).fast_min(c) + half(number & 0xffff),
-            upper: a.fast_max(b).fast_max(c) + half(number >> 16),
-        }
+        // As seen from the anchor, which moves nothing.
+        let Span { lower, upper } = Span::around(&triangle.corners, lanes([0.0; 3]));
+        let beside = |sides: f32x4, half: u32| {
+            let [x, y, z, _] = sides.to_array();
+            f32x4::new([x, y, z, half as f32])
+        };
+        Self { lower: beside(lower, number & 0xffff), upper: beside(upper, number >> 16) }
     }
 
     #[inline]
-    pub(super) fn bounds(&self) -> Box3 {
-        Box3 { lower: self.lower, upper: self.upper }
+    pub(super) fn bounds(&self) -> Span {
+        Span { lower: self.lower, upper: self.upper }
     }
 
     /// Twice the centre of the box; the fourth lane means nothing.
@@ -66,13 +45,13 @@ impl Item {
 
 /// Some triangles and the box around them.
 pub(super) struct Part<'a> {
-    pub(super) bounds: Box3,
+    pub(super) bounds: Span,
     pub(super) items: &'a mut [Item],
 }
 
 impl<'a> Part<'a> {
     pub(super) fn new(items: &'a mut [Item]) -> Self {
-        let bounds = items.iter().fold(Box3::EMPTY, |bounds, item| bounds.join(item.bounds()));
+        let bounds = items.iter().fold(Span::EMPTY, |bounds, item| bounds.join(item.bounds()));
         Self { bounds, items }
     }
 }

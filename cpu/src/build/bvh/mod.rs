@@ -18,8 +18,8 @@ use wide::f32x4;
 
 use super::bounds::Bounds;
 use super::settings::Spoiled;
-use super::span::{lanes, steps};
-use item::{Box3, Item, Part};
+use super::span::{Span, lanes, steps};
+use item::{Item, Part};
 pub(super) use slots::by_octant;
 use split::{by_area, by_number};
 
@@ -171,7 +171,7 @@ impl Grower {
     }
 
     /// The lattice steps that a box touches.
-    fn boxed(&self, bounds: Box3) -> LatticeBox {
+    fn boxed(&self, bounds: Span) -> LatticeBox {
         self.spoiled.boxed(Bounds::of_steps(steps(bounds.lower - self.root), steps(bounds.upper - self.root)))
     }
 }

@@ -3,7 +3,8 @@
 use leafwalk_core::layout::BLOCK_WIDTH;
 use wide::f32x4;
 
-use super::item::{Box3, Item, Part};
+use super::item::{Item, Part};
+use crate::build::span::Span;
 
 /// Candidate planes an axis, less one.
 const BINS: usize = 16;
@@ -19,12 +20,12 @@ fn blocks(triangles: usize) -> usize {
 /// What falls into a bin.
 #[derive(Clone, Copy)]
 struct Bin {
-    bounds: Box3,
+    bounds: Span,
     count: u32,
 }
 
 impl Bin {
-    const EMPTY: Self = Self { bounds: Box3::EMPTY, count: 0 };
+    const EMPTY: Self = Self { bounds: Span::EMPTY, count: 0 };
 
     #[inline]
     fn join(self, other: Self) -> Self {
@@ -62,11 +63,7 @@ pub(super) fn by_area(items: &mut [Item]) -> [Part<'_>; 2] {
     if items.len() <= 2 * BLOCK_WIDTH {
         return in_blocks(items);
     }
-    let first = items[0].centre();
-    let (low, high) = items.iter().fold((first, first), |(low, high), item| {
-        let centre = item.centre();
-        (low.fast_min(centre), high.fast_max(centre))
-    });
+    let Span { lower: low, upper: high } = centres(items);
     let extent = (high - low).to_array();
     let scale = |k: usize| if extent[k] > 0.0 { (BINS as f32 / extent[k]).min(f32::MAX) } else { 0.0 };
     let binning = Binning { low, scale: f32x4::new([scale(0), scale(1), scale(2), 0.0]) };
@@ -119,6 +116,12 @@ pub(super) fn by_area(items: &mut [Item]) -> [Part<'_>; 2] {
     [Part { bounds: bounds[0], items: left }, Part { bounds: bounds[1], items: right }]
 }
 
+/// The box around all centres.
+fn centres(items: &[Item]) -> Span {
+    let centres = items.iter().map(|item| Span { lower: item.centre(), upper: item.centre() });
+    centres.fold(Span::EMPTY, Span::join)
+}
+
 /// Parts triangles that fill two blocks into these, along the best axis.
 fn in_blocks(items: &mut [Item]) -> [Part<'_>; 2] {
     let mut before = [items[0]; 2 * BLOCK_WIDTH];
@@ -133,7 +136,7 @@ fn in_blocks(items: &mut [Item]) -> [Part<'_>; 2] {
         }
         keys[..before.len()].sort_unstable();
         let around = |keys: &[u64]| {
-            keys.iter().fold(Box3::EMPTY, |all, key| all.join(before[*key as u32 as usize].bounds())).area()
+            keys.iter().fold(Span::EMPTY, |all, key| all.join(before[*key as u32 as usize].bounds())).area()
         };
         let (left, right) = keys[..before.len()].split_at(BLOCK_WIDTH);
         let area = around(left) + around(right);
@@ -158,11 +161,7 @@ fn ordered(x: f32) -> u32 {
 
 /// Parts triangles into halves along the longest axis of their centres.
 pub(super) fn by_number(items: &mut [Item]) -> [Part<'_>; 2] {
-    let first = items[0].centre();
-    let (low, high) = items.iter().fold((first, first), |(low, high), item| {
-        let centre = item.centre();
-        (low.fast_min(centre), high.fast_max(centre))
-    });
+    let Span { lower: low, upper: high } = centres(items);
     let [x, y, z, _] = (high - low).to_array();
     let axis = if x >= y && x >= z { 0 } else { 1 + usize::from(z > y) };
     at(items, axis, middle(items.len()))

@@ -50,9 +50,6 @@ const RAY_COST: u32 = 90;
 const TRIANGLE_COST: u32 = 45;
 const PACKET_COST: u32 = 80;
 
-/// Stands for all packets, those included whose rays are done.
-const ALL: u32 = u32::MAX;
-
 /// How tiles are traced: tests may spoil it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tiling {
@@ -129,7 +126,7 @@ impl<'a, L: Eight> Tile<'a, L> {
                     continue;
                 }
             } else if let Some(block) = bvh.block(child, &mut room) {
-                self.test_triangles::<Q>(block, self.may_hit(block), ALL);
+                self.test_triangles::<Q>(block, self.may_hit(block), self.asking);
             }
             child = waiting.stack.pop(self.last);
             if child == END {
