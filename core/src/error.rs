@@ -101,8 +101,15 @@ pub enum DecodeError {
         /// Payload number.
         payload: u32,
     },
-    /// A BVH node leads to what is not there or out of turn, lies too deep, or a child's box is not that of its own children.
+    /// A BVH node leads to what is not there or out of turn, lies too deep, or a child's box is not that of its own children, or does not
+    /// hold them in a wide octree.
     BadBvhNode {
+        /// Number of the node.
+        node: u32,
+    },
+    /// The lattice of a BVH node has no power of two for its step, or a corner that is no multiple of it; or the root's is
+    /// not that of the root.
+    BadLattice {
         /// Number of the node.
         node: u32,
     },
@@ -199,6 +206,7 @@ impl fmt::Display for DecodeError {
                 write!(f, "record {record} is not linked to the leaf across its face {face}")
             }
             Self::BadBvhNode { node } => write!(f, "BVH node {node} is inconsistent"),
+            Self::BadLattice { node } => write!(f, "the lattice of BVH node {node} is inconsistent"),
             Self::BadPayload { payload } => write!(f, "payload {payload} is inconsistent"),
             Self::BadBlock { block, lane } => {
                 write!(f, "block {block}, lane {lane}: coordinate, vertex or primitive out of range")

@@ -6,7 +6,7 @@ use crate::aabb::Aabb;
 use crate::blocks::{Blocks, Indexed};
 use crate::error::DecodeError;
 use crate::frame::Frame;
-use crate::layout::{BvhNode, LatticeBox, Section};
+use crate::layout::{BvhNode, Lattice, LatticeBox, Section};
 use crate::parts::{Parts, slice};
 use crate::policy::{Policy, Standard};
 use crate::stats::Stats;
@@ -83,6 +83,12 @@ impl<W: AsRef<[u32]>> Octree<W> {
     #[inline]
     pub fn bvh(&self) -> &[BvhNode] {
         self.section(Section::Bvh)
+    }
+
+    /// In wide octrees one lattice a node of the BVH; else empty, and all count the root's steps.
+    #[inline]
+    pub fn lattices(&self) -> &[Lattice] {
+        self.section(Section::Lattices)
     }
 
     /// The triangles, eight by eight.

@@ -4,7 +4,7 @@ use crate::aabb::Aabb;
 use crate::blocks::{Blocks, Indexed};
 use crate::error::DecodeError;
 use crate::frame::Frame;
-use crate::layout::{Block, BvhNode, Key, LatticeBox, Record, Section, Triangle};
+use crate::layout::{Block, BvhNode, Key, Lattice, LatticeBox, Record, Section, Triangle};
 use crate::wire::{Header, Spans};
 
 /// The sections of an octree as slices.
@@ -23,6 +23,8 @@ pub struct Parts<'a> {
     pub blocks: Blocks<'a>,
     /// The BVH over the blocks, its root first; empty where no triangle is listed.
     pub bvh: &'a [BvhNode],
+    /// In wide octrees one lattice a node of the BVH; else empty, and all count the root's steps.
+    pub lattices: &'a [Lattice],
     /// The box around all triangles; without any, one that few rays meet.
     pub hull: LatticeBox,
     /// Record numbers of the entry grid, x fastest.
@@ -52,6 +54,7 @@ impl<'a> Parts<'a> {
         payloads: &[],
         blocks: Blocks::EMPTY,
         bvh: &[],
+        lattices: &[],
         hull: LatticeBox::VACANT,
         grid: &[],
         materials: &[],
@@ -71,6 +74,7 @@ impl<'a> Parts<'a> {
             payloads: slice(words, spans, Section::Payloads)?,
             blocks,
             bvh: slice(words, spans, Section::Bvh)?,
+            lattices: slice(words, spans, Section::Lattices)?,
             hull,
             grid: slice(words, spans, Section::Grid)?,
             materials: slice(words, spans, Section::Materials)?,
@@ -95,6 +99,11 @@ impl<'a> Parts<'a> {
     /// What a leaf lists, unless that is nothing.
     pub fn payload_of(&self, leaf: &Record) -> Option<&'a BvhNode> {
         (leaf.head().t_count() != 0).then(|| &self.payloads[leaf.offset as usize])
+    }
+
+    /// The lattice that the sides of a node's boxes count the steps of.
+    pub fn lattice(&self, node: u32) -> Lattice {
+        self.lattices.get(node as usize).copied().unwrap_or_else(|| Lattice::root(&self.frame))
     }
 
     /// All triangles.

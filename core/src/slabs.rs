@@ -2,6 +2,7 @@
 
 use crate::contract::BOX_MARGIN;
 use crate::lanes::Lanes;
+use crate::layout::{LATTICE, Lattice};
 use crate::unroll;
 
 /// A ray's distances to planes: t' of a side in step n is `n * inverse + lower`, or `+ upper`, per axis.
@@ -26,6 +27,24 @@ impl<L: Lanes> Slabs<L> {
             // From the step that a side lies in to the plane that counts: its lower end, or its upper one.
             lower: unroll!(k in 0..3 => (zero - (origin[k] + margin)) * inverse[k]),
             upper: unroll!(k in 0..3 => (step - origin[k]) * inverse[k]),
+        }
+    }
+
+    /// The slabs of rays in steps of a lattice of its own, given the exact origins in lattice coordinates.
+    ///
+    /// Boxes are dilated by the same share of the distance to what they may hold as the box margin is of the root's edge.
+    #[inline(always)]
+    pub fn in_lattice(lattice: &Lattice, origin: [L; 3], inverse: [L; 3]) -> Self {
+        const EDGE: f32 = LATTICE as f32;
+        let step = L::splat(lattice.step);
+        let away: [L; 3] = unroll!(k in 0..3 => L::splat(lattice.corner[k]) - origin[k]);
+        let farthest = away[0].abs().max(away[1].abs()).max(away[2].abs()) + L::splat(EDGE * lattice.step);
+        let margin = farthest * L::splat(BOX_MARGIN / EDGE);
+        let beyond = step + margin;
+        Self {
+            inverse: unroll!(k in 0..3 => inverse[k] * step),
+            lower: unroll!(k in 0..3 => (away[k] - margin) * inverse[k]),
+            upper: unroll!(k in 0..3 => (away[k] + beyond) * inverse[k]),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::contract::{BOX_MARGIN, PADDING};
 use crate::lanes::Lanes;
-use crate::layout::{BLOCK_WIDTH, BVH_WIDTH, Block, BvhNode, Child, Key, LATTICE, LINK_NONE, MAX_DEPTH, NONE};
+use crate::layout::{BLOCK_WIDTH, BVH_WIDTH, Block, BvhNode, Child, Key, LATTICE, LINK_NONE, Lattice, MAX_DEPTH, NONE};
 use crate::nearest::Nearest;
 use crate::octree::Octree;
 use crate::parts::Parts;
@@ -91,26 +91,26 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
     /// See [`Octree::closest_hit_with_work`].
     pub fn closest_hit_with_work(&self, ray: &Ray) -> (Option<Hit>, Work) {
         let Some(canonical) = self.parts.frame.canonical_with::<P>(ray) else { return Default::default() };
-        let search = self.walk::<false>(&canonical, &mut |_, _| {});
+        let search = self.search::<false>(&canonical);
         (search.nearest.is_hit().then(|| search.nearest.hit(&canonical.clock)), search.work)
     }
 
     /// See [`Octree::occluded`].
     pub fn occluded(&self, ray: &Ray) -> bool {
         let canonical = self.parts.frame.canonical_with::<P>(ray);
-        canonical.is_some_and(|canonical| self.walk::<true>(&canonical, &mut |_, _| {}).nearest.is_hit())
+        canonical.is_some_and(|canonical| self.search::<true>(&canonical).nearest.is_hit())
     }
 
     /// See [`Octree::closest_hit_f64`].
     pub fn closest_hit_f64(&self, ray: &RayF64) -> Option<HitF64> {
         let canonical = self.parts.frame.canonical_f64(ray)?;
-        self.walk::<false>(&canonical, &mut |_, _| {}).nearest.hit_f64(&canonical.clock).ok()
+        self.search::<false>(&canonical).nearest.hit_f64(&canonical.clock).ok()
     }
 
     /// See [`Octree::occluded_f64`].
     pub fn occluded_f64(&self, ray: &RayF64) -> bool {
         let canonical = self.parts.frame.canonical_f64(ray);
-        canonical.is_some_and(|canonical| self.walk::<true>(&canonical, &mut |_, _| {}).nearest.is_hit())
+        canonical.is_some_and(|canonical| self.search::<true>(&canonical).nearest.is_hit())
     }
 
     /// The cells that a closest-hit walk visits, in order.
@@ -122,7 +122,23 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         }
     }
 
+    fn search<'r, const ANY: bool>(&self, ray: &'r CanonicalRay) -> Search<'r> {
+        self.walk::<ANY>(ray, &mut |_, _| {})
+    }
+
     fn walk<'r, const ANY: bool>(
+        &self,
+        ray: &'r CanonicalRay,
+        visitor: &mut impl FnMut(u32, &Cell<f32>),
+    ) -> Search<'r> {
+        match self.parts.lattices {
+            [] => self.walk_in::<ANY, false>(ray, visitor),
+            _ => self.walk_in::<ANY, true>(ray, visitor),
+        }
+    }
+
+    /// The walk through an octree that is wide, or is not.
+    fn walk_in<'r, const ANY: bool, const WIDE: bool>(
         &self,
         ray: &'r CanonicalRay,
         visitor: &mut impl FnMut(u32, &Cell<f32>),
@@ -143,7 +159,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
             let record = &self.parts.records[number as usize];
             let head = record.head();
             if head.t_count() != 0 {
-                self.leaf::<ANY>(record.offset, &probe, &mut search, &mut path);
+                self.leaf::<ANY, WIDE>(record.offset, &probe, &mut search, &mut path);
                 if (ANY || P::STOPS_AT_FIRST_HIT) && search.nearest.is_hit() {
                     return search;
                 }
@@ -160,12 +176,21 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         }
     }
 
+    /// The sides of the boxes of a node, or of what a leaf lists.
+    #[inline(always)]
+    fn sides<const WIDE: bool>(&self, probe: &Probe, node: u32) -> Sides {
+        match self.parts.lattices.get(node as usize) {
+            Some(lattice) if WIDE => probe.sides_in(lattice),
+            _ => probe.sides,
+        }
+    }
+
     /// Descends from what a leaf lists to the blocks whose boxes the ray meets, and tests these.
     ///
     /// Below an entry only that part of the ray counts that lies in the entry's box, which is cut to the leaf's cell: what it
     /// meets outside belongs to other leaves.
     #[inline(always)]
-    fn leaf<const ANY: bool>(
+    fn leaf<const ANY: bool, const WIDE: bool>(
         &self,
         payload: u32,
         probe: &Probe,
@@ -175,10 +200,11 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         let mut room = None;
         let all = (search.ray.t_min, search.ray.t_max);
         let mut part = all;
-        let mut entered = probe.enter(&self.parts.payloads[payload as usize], part, search.nearest.t);
+        let mut entered = Entered { node: &self.parts.payloads[payload as usize], number: NONE, waiting: 0 };
+        entered.waiting = probe.enter(&probe.sides, entered.node, part, search.nearest.t);
         let mut depth = 0;
         loop {
-            let Entered { node, waiting } = &mut entered;
+            let Entered { node, number, waiting } = &mut entered;
             if *waiting == 0 {
                 if depth == 0 {
                     return;
@@ -193,7 +219,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
             let slot = (waiting.trailing_zeros() ^ probe.neg) as usize % BVH_WIDTH;
             *waiting &= *waiting - 1;
             let met = if search.nearest.is_hit() || depth == 0 {
-                probe.clip(node, slot, part, search.nearest.t)
+                probe.clip(&self.sides::<WIDE>(probe, *number), node, slot, part, search.nearest.t)
             } else {
                 part
             };
@@ -208,7 +234,9 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
                     }
                     path[depth] = entered;
                     depth += 1;
-                    entered = probe.enter(&self.parts.bvh[number as usize], part, search.nearest.t);
+                    entered = Entered { node: &self.parts.bvh[number as usize], number, waiting: 0 };
+                    let sides = self.sides::<WIDE>(probe, number);
+                    entered.waiting = probe.enter(&sides, entered.node, part, search.nearest.t);
                 }
                 Child::Block(number) => {
                     search.work.blocks += 1;
@@ -225,12 +253,32 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
     }
 }
 
-/// What a ray's visits to leaves share.
-struct Probe {
-    /// The slabs of the ray (see [`Slabs`]), by the sides that it meets first and last.
+/// The slabs of a ray (see [`Slabs`]), by the sides that it meets first and last.
+#[derive(Clone, Copy)]
+struct Sides {
     inverse: [f32; 3],
     near: [f32; 3],
     far: [f32; 3],
+}
+
+impl Sides {
+    #[inline(always)]
+    fn new(Slabs { inverse, lower, upper }: Slabs<f32>, neg: u32) -> Self {
+        let is_down = |k: usize| neg >> k & 1 == 1;
+        Self {
+            inverse,
+            near: core::array::from_fn(|k| if is_down(k) { upper[k] } else { lower[k] }),
+            far: core::array::from_fn(|k| if is_down(k) { lower[k] } else { upper[k] }),
+        }
+    }
+}
+
+/// What a ray's visits to leaves share.
+struct Probe {
+    /// The sides of boxes that count the root's steps.
+    sides: Sides,
+    origin: [f32; 3],
+    inverse: [f32; 3],
     neg: u32,
     shear: Shear<f32>,
     axes: [usize; 3],
@@ -240,54 +288,56 @@ struct Probe {
 #[derive(Clone, Copy)]
 struct Entered<'a> {
     node: &'a BvhNode,
+    /// The node's number; [`NONE`] for what a leaf lists.
+    number: u32,
     /// The children whose boxes are met and that have not been visited, a bit each, in the ray's order: slot XOR octant.
     waiting: u32,
 }
 
 impl Entered<'_> {
-    const NONE: Self = Self { node: &BvhNode::VACANT, waiting: 0 };
+    const NONE: Self = Self { node: &BvhNode::VACANT, number: NONE, waiting: 0 };
 }
 
 impl Probe {
     fn new(ray: &CanonicalRay, line: &Line<f32>) -> Self {
         let slabs = Slabs::new(line.origin, line.inverse);
         let (shear, axes) = Shear::<f32>::new(ray);
-        let is_down = |k: usize| line.neg >> k & 1 == 1;
-        Self {
-            inverse: slabs.inverse,
-            near: core::array::from_fn(|k| if is_down(k) { slabs.upper[k] } else { slabs.lower[k] }),
-            far: core::array::from_fn(|k| if is_down(k) { slabs.lower[k] } else { slabs.upper[k] }),
-            neg: line.neg,
-            shear,
-            axes,
-        }
+        let sides = Sides::new(slabs, line.neg);
+        Self { sides, origin: ray.origin, inverse: line.inverse, neg: line.neg, shear, axes }
     }
 
-    /// Tests all eight boxes of a node against a part of the ray, in loops that compilers turn into SIMD.
-    fn enter<'a>(&self, node: &'a BvhNode, part: (f32, f32), nearest: f32) -> Entered<'a> {
+    /// The sides of boxes that count the steps of a lattice of their own.
+    #[inline(always)]
+    fn sides_in(&self, lattice: &Lattice) -> Sides {
+        Sides::new(Slabs::in_lattice(lattice, self.origin, self.inverse), self.neg)
+    }
+
+    /// Tests all eight boxes of a node against a part of the ray, in loops that compilers turn into SIMD: a bit for each that
+    /// is met, in the ray's order.
+    fn enter(&self, sides: &Sides, node: &BvhNode, part: (f32, f32), nearest: f32) -> u32 {
         let mut first = [part.0; BVH_WIDTH];
         let mut last = [Lanes::min(part.1, nearest); BVH_WIDTH];
         let (near, far) = (node.near_sides(self.neg), node.near_sides(!self.neg));
         for k in 0..3 {
             for slot in 0..BVH_WIDTH {
-                first[slot] = Lanes::max(first[slot], f32::from(near[k][slot]) * self.inverse[k] + self.near[k]);
-                last[slot] = Lanes::min(last[slot], f32::from(far[k][slot]) * self.inverse[k] + self.far[k]);
+                first[slot] = Lanes::max(first[slot], f32::from(near[k][slot]) * sides.inverse[k] + sides.near[k]);
+                last[slot] = Lanes::min(last[slot], f32::from(far[k][slot]) * sides.inverse[k] + sides.far[k]);
             }
         }
         let mut met = 0;
         for slot in 0..BVH_WIDTH {
             met |= u32::from(first[slot] <= last[slot]) << slot;
         }
-        Entered { node, waiting: in_order(met, self.neg) }
+        in_order(met, self.neg)
     }
 
     /// The part of a part of the ray that lies in a child's box, before the nearest hit.
     #[inline]
-    fn clip(&self, node: &BvhNode, slot: usize, part: (f32, f32), nearest: f32) -> (f32, f32) {
+    fn clip(&self, sides: &Sides, node: &BvhNode, slot: usize, part: (f32, f32), nearest: f32) -> (f32, f32) {
         let (near, far) = (node.near_sides(self.neg), node.near_sides(!self.neg));
-        let along = |side: u16, k: usize, offset: f32| f32::from(side) * self.inverse[k] + offset;
-        let first = (0..3).fold(part.0, |first, k| Lanes::max(first, along(near[k][slot], k, self.near[k])));
-        let last = (0..3).fold(part.1, |last, k| Lanes::min(last, along(far[k][slot], k, self.far[k])));
+        let along = |side: u16, k: usize, offset: f32| f32::from(side) * sides.inverse[k] + offset;
+        let first = (0..3).fold(part.0, |first, k| Lanes::max(first, along(near[k][slot], k, sides.near[k])));
+        let last = (0..3).fold(part.1, |last, k| Lanes::min(last, along(far[k][slot], k, sides.far[k])));
         (first, Lanes::min(last, nearest))
     }
 }

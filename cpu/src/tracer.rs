@@ -4,11 +4,11 @@ use core::cell::RefCell;
 use core::fmt;
 
 use leafwalk_core::canonical::PreparedFrame;
-use leafwalk_core::{Blocks, Clock, Hit, HitF64, LengthMismatch, Nearest, Octree, Ray, RayF64, Tracer};
+use leafwalk_core::{Clock, Hit, HitF64, LengthMismatch, Nearest, Octree, Ray, RayF64, Tracer};
 use rayon::prelude::*;
 
 use crate::lanes::Registers;
-use crate::trace::bvh::{BlockSource, Bvh};
+use crate::trace::bvh::{BlockSource, Bvh, with_blocks};
 use crate::trace::query::{AnyHit, ClosestHit, Query};
 use crate::trace::{Batch, Scratch, Tiling, Way, single};
 
@@ -85,14 +85,9 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
 
     #[inline]
     fn single<Q: Query>(&self, ray: &Ray) -> Q::Answer {
-        match self.octree.blocks() {
-            Blocks::Packed(blocks) => {
-                single::answer::<_, Q>(self.registers, &Bvh::new(&self.octree, self.frame, blocks), ray)
-            }
-            Blocks::Indexed(blocks) => {
-                single::answer::<_, Q>(self.registers, &Bvh::new(&self.octree, self.frame, blocks), ray)
-            }
-        }
+        with_blocks!(self.octree, blocks => {
+            single::answer::<_, Q>(self.registers, &Bvh::new(&self.octree, self.frame, blocks), ray)
+        })
     }
 
     fn borrowed(&self) -> CpuTracer<&[u32]> {
@@ -125,14 +120,9 @@ impl CpuTracer<&[u32]> {
     /// What one ray finds, and the clock of its t.
     fn nearest_f64<Q: Query>(&self, ray: &RayF64) -> Option<(Nearest, Clock)> {
         let ray = self.frame.frame().canonical_f64(ray)?;
-        let nearest = match self.octree.blocks() {
-            Blocks::Packed(blocks) => {
-                single::nearest::<_, Q>(self.registers, &Bvh::new(&self.octree, self.frame, blocks), &ray)
-            }
-            Blocks::Indexed(blocks) => {
-                single::nearest::<_, Q>(self.registers, &Bvh::new(&self.octree, self.frame, blocks), &ray)
-            }
-        };
+        let nearest = with_blocks!(self.octree, blocks => {
+            single::nearest::<_, Q>(self.registers, &Bvh::new(&self.octree, self.frame, blocks), &ray)
+        });
         Some((nearest, ray.clock))
     }
 
@@ -150,10 +140,7 @@ impl CpuTracer<&[u32]> {
     }
 
     fn batches<Q: Query>(&self, rays: &[Ray], answers: &mut [Q::Answer]) -> Result<(), LengthMismatch> {
-        match self.octree.blocks() {
-            Blocks::Packed(blocks) => self.batches_in::<_, Q>(blocks, rays, answers),
-            Blocks::Indexed(blocks) => self.batches_in::<_, Q>(blocks, rays, answers),
-        }
+        with_blocks!(self.octree, blocks => self.batches_in::<_, Q>(blocks, rays, answers))
     }
 
     fn batches_in<B: BlockSource, Q: Query>(

@@ -199,8 +199,14 @@ impl Check<'_> {
     /// Whether each triangle lies in the box of its block; the decoder has seen that those above hold it.
     fn bvh(&self) -> Result<(), VerifyError> {
         let sticks_out = |&&Listed { triangle, block }: &&Listed| {
-            let needed = box_inside(&self.parts.frame, Key::ROOT, &triangle.corners, self.parts.header.padding);
-            !self.places.of_block[block as usize].1.contains(needed)
+            let (node, boxed) = self.places.of_block[block as usize];
+            match self.parts.lattices.get(node as usize) {
+                Some(lattice) => !triangle.corners.iter().all(|corner| lattice.touches(boxed, *corner)),
+                None => {
+                    let needed = box_inside(&self.parts.frame, Key::ROOT, &triangle.corners, self.parts.header.padding);
+                    !boxed.contains(needed)
+                }
+            }
         };
         match self.listed.par_iter().find_first(sticks_out) {
             Some(Listed { triangle: Triangle { primitive, .. }, block }) => {

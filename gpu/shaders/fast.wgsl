@@ -51,6 +51,10 @@ struct Setup {
     zero: u32,
     hull_upper: vec3<f32>,
     bvh: u32,
+    lattices: u32,
+    unused_0: u32,
+    unused_1: u32,
+    unused_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> setup: Setup;
@@ -301,6 +305,18 @@ fn slabs_of(origin: vec3<f32>, inverse: vec3<f32>) -> Slabs {
     let upper = (vec3<f32>(1.0 + BOX_MARGIN) - origin) * inverse;
     let is_negative = inverse < vec3<f32>(0.0);
     return Slabs(inverse, select(lower, upper, is_negative), select(upper, lower, is_negative));
+}
+
+// core/src/slabs.rs: Slabs::in_lattice. The difference is guarded: regrouped, it would be of numbers of the scene's size.
+fn slabs_in_lattice(lattice: vec4<f32>, origin: vec3<f32>, inverse: vec3<f32>) -> Slabs {
+    let away = sub3(lattice.xyz, origin);
+    let distance = abs(away);
+    let farthest = max(distance.x, max(distance.y, distance.z)) + f32(LATTICE) * lattice.w;
+    let margin = farthest * (BOX_MARGIN / f32(LATTICE));
+    let lower = (away - vec3<f32>(margin)) * inverse;
+    let upper = (away + vec3<f32>(lattice.w + margin)) * inverse;
+    let is_negative = inverse < vec3<f32>(0.0);
+    return Slabs(inverse * lattice.w, select(lower, upper, is_negative), select(upper, lower, is_negative));
 }
 
 // core/src/slabs.rs: Slabs::clip, at the near sides of four boxes along an axis
@@ -669,6 +685,18 @@ fn test_block(block: u32, shear: Shear, nearest: ptr<function, Nearest>) {
     }
 }
 
+// Whether the boxes of each node of the BVH count steps of a lattice of its own.
+override IS_WIDE: bool = false;
+
+// core/src/trace.rs: Walk::sides, of a node that a quad is the first of, or of what the leaf lists at depth 0
+fn slabs_at(node: u32, depth: u32, slabs: Slabs, origin: vec3<f32>, line: Line) -> Slabs {
+    if !IS_WIDE || depth == 0u {
+        return slabs;
+    }
+    let lattice = quad(setup.lattices + (node - setup.bvh) / NODE_QUADS);
+    return slabs_in_lattice(bitcast<vec4<f32>>(lattice), origin, line.inverse);
+}
+
 // core/src/trace.rs: Walk::leaf, which returns the number of blocks that it tested.
 fn leaf(payload: u32, origin: vec3<f32>, line: Line, slope: vec3<f32>, nearest: ptr<function, Nearest>) -> u32 {
     let slabs = slabs_of(line.origin, line.inverse);
@@ -705,7 +733,8 @@ fn leaf(payload: u32, origin: vec3<f32>, line: Line, slope: vec3<f32>, nearest: 
         }
         var met = part;
         if depth == 0u || is_hit(*nearest) {
-            met = clip_slot(node, slot, slabs, line.neg, part.x, min(part.y, (*nearest).t));
+            let own = slabs_at(node, depth, slabs, origin, line);
+            met = clip_slot(node, slot, own, line.neg, part.x, min(part.y, (*nearest).t));
             // A nearer hit was found since the node was entered.
             if met.x > met.y {
                 continue;
@@ -722,7 +751,8 @@ fn leaf(payload: u32, origin: vec3<f32>, line: Line, slope: vec3<f32>, nearest: 
         path[depth] = vec2<u32>(node, waiting);
         depth += 1u;
         node = setup.bvh + child * NODE_QUADS;
-        waiting = in_order(boxes_met(node, slabs, line.neg, part.x, min(part.y, (*nearest).t)), line.neg);
+        let own = slabs_at(node, depth, slabs, origin, line);
+        waiting = in_order(boxes_met(node, own, line.neg, part.x, min(part.y, (*nearest).t)), line.neg);
     }
     return blocks;
 }

@@ -94,8 +94,23 @@ fn structs_have_the_offsets_of_rust() {
     assert_eq!(layout(&tracing, "CanonicalRay"), of_rust!(DeviceRay, origin, t_min, direction, t_max));
     assert_eq!(layout(&tracing, "Hit"), of_rust!(DeviceHit, t, u, v, primitive));
     assert_eq!(layout(&tracing, "Answer"), of_rust!(DeviceAnswer, hit, cells, blocks, unused_0, unused_1));
-    let setup =
-        of_rust!(OctreeSetup, records, payloads, blocks, grid, corner, grid_bits, hull_lower, zero, hull_upper, bvh);
+    let setup = of_rust!(
+        OctreeSetup,
+        records,
+        payloads,
+        blocks,
+        grid,
+        corner,
+        grid_bits,
+        hull_lower,
+        zero,
+        hull_upper,
+        bvh,
+        lattices,
+        unused_0,
+        unused_1,
+        unused_2
+    );
     assert_eq!(layout(&tracing, "Setup"), setup);
     assert_eq!(layout(&checks, "Setup"), of_rust!(MapSetup, first, zero, unused_0, unused_1));
 }

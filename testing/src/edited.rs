@@ -1,7 +1,7 @@
 //! The words of an octree, to be spoiled section by section and sealed again.
 
 use leafwalk_core::layout::Section;
-use leafwalk_core::layout::{Block, BvhNode, IndexedBlock, Record};
+use leafwalk_core::layout::{Block, BvhNode, IndexedBlock, Lattice, Record};
 use leafwalk_core::wire::{self, Header, Spans, TABLE_ROW};
 use leafwalk_core::{DecodeError, Octree};
 
@@ -66,6 +66,11 @@ impl Edited {
     /// The nodes of the BVH.
     pub fn bvh(&mut self) -> &mut [BvhNode] {
         bytemuck::cast_slice_mut(self.section(Section::Bvh))
+    }
+
+    /// The lattices of a wide octree's nodes; another one has none.
+    pub fn lattices(&mut self) -> &mut [Lattice] {
+        bytemuck::cast_slice_mut(self.section(Section::Lattices))
     }
 
     /// The entry grid.

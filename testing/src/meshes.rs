@@ -185,6 +185,17 @@ pub fn append(mesh: &mut Mesh, other: &Mesh) {
     mesh.triangles.extend(other.triangles.iter().map(|triangle| triangle.map(|index| first + index)));
 }
 
+/// A mesh in a cube of some edge, whose centre is off the mesh's coordinate 0 by a share of the edge.
+pub fn in_sky_box(mesh: &Mesh, edge: f32, share: f32) -> Mesh {
+    let side = |corner: usize, k: usize| edge * (share + if corner >> k & 1 == 1 { 0.5 } else { -0.5 });
+    let positions = (0..8).map(|corner| [0, 1, 2].map(|k| side(corner, k))).collect();
+    let face = |[a, b, c, d]: [u32; 4]| [[a, b, d], [a, d, c]];
+    let faces = [[0, 2, 1, 3], [4, 5, 6, 7], [0, 1, 4, 5], [2, 6, 3, 7], [0, 4, 2, 6], [1, 3, 5, 7]];
+    let mut whole = mesh.clone();
+    append(&mut whole, &Mesh::new(positions, faces.into_iter().flat_map(face).collect()));
+    whole
+}
+
 /// A mesh turned about all axes by angles without meaning: what was flat or straight rounds off its plane or line.
 pub fn turned(mesh: &Mesh) -> Mesh {
     let mut mesh = mesh.clone();

@@ -20,8 +20,9 @@ struct Frozen {
     hash: u64,
 }
 
-/// Links of every kind, in a packed octree with materials; a leaf that lists nodes of the BVH; blocks that share vertices.
-fn all() -> [Frozen; 3] {
+/// Links of every kind, in a packed octree with materials; a leaf that lists nodes of the BVH; blocks that share vertices;
+/// nodes with lattices of their own.
+fn all() -> [Frozen; 4] {
     let mut soup = meshes::soup(12, 21);
     soup.material_ids = (0..soup.triangles.len() as u32).map(|triangle| triangle % 3).collect();
     let small = Builder::new().step_cost(0.5);
@@ -32,6 +33,12 @@ fn all() -> [Frozen; 3] {
             mesh: meshes::soup(70, 22),
             builder: small.clone().max_level(0),
             hash: 0x5fde_6155_9896_8bde,
+        },
+        Frozen {
+            name: "wide",
+            mesh: meshes::in_sky_box(&meshes::icosphere(2), 1e4, 0.1),
+            builder: small.clone().max_level(3),
+            hash: 0xfc4c_5c32_bd27_31b2,
         },
         Frozen {
             name: "compact",

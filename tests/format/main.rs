@@ -6,6 +6,7 @@ mod contents;
 mod document;
 mod embedded;
 mod frozen;
+mod lattices;
 mod links;
 mod preamble;
 mod round_trip;
@@ -32,6 +33,12 @@ fn compact() -> Edited {
     let mut mesh = meshes::icosphere(1);
     mesh.triangles.truncate(73);
     Edited::new(&Builder::new().compact().step_cost(0.5).max_level(2).build(&mesh).expect("a mesh that builds"))
+}
+
+/// Nodes of a wide octree: a sphere in a sky box 500 times its size.
+fn wide() -> Edited {
+    let mesh = meshes::in_sky_box(&meshes::icosphere(3), 1e5, 0.0);
+    Edited::new(&Builder::new().step_cost(0.5).max_level(1).build(&mesh).expect("a mesh that builds"))
 }
 
 /// Decodes after an edit, and expects an error.

@@ -12,3 +12,4 @@ mod scenes;
 mod spawn;
 mod truth;
 mod watertight;
+mod wide;

@@ -65,7 +65,8 @@ fn compare(name: &str, mesh: &Mesh, count: u64, seed: u64) {
     compare_scene(name, &Scene::new(mesh), mesh, count, seed);
 }
 
-fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) {
+/// The rays are aimed at a mesh, which may be a part of the scene.
+pub(crate) fn compare_scene(name: &str, scene: &Scene, mesh: &Mesh, count: u64, seed: u64) {
     let parts = scene.octree.parts();
     let slab = Stepping::<Slab, Standard>::new(&parts);
     let pluecker = Stepping::<Pluecker, Standard>::new(&parts);

@@ -6,6 +6,7 @@
 mod block;
 mod bvh;
 mod key;
+mod lattice;
 mod lattice_box;
 mod record;
 mod section;
@@ -13,6 +14,7 @@ mod section;
 pub use block::{BLOCK_WIDTH, BLOCK_WORDS, Block, INDEXED_BLOCK_WORDS, IndexedBlock, Triangle, VERTEX_WORDS};
 pub use bvh::{BVH_NODE_WORDS, BVH_WIDTH, BvhNode, Child, MAX_DEPTH};
 pub use key::{KEY_WORDS, Key};
+pub use lattice::{FINEST_STEP, LATTICE_WORDS, Lattice};
 pub use lattice_box::LatticeBox;
 pub use record::{
     INNER, LEVEL_MASK, LEVEL_SHIFT, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, LINK_SHIFT, RECORD_WORDS, Record,

@@ -20,6 +20,8 @@ pub enum Section {
     Vertices,
     /// [`super::BvhNode`]s: the root, then, depth first, those that each leads to by slot.
     Bvh,
+    /// In wide scenes one [`super::Lattice`] a node of the BVH; else empty.
+    Lattices,
     /// The entry grid: one record number a grid cell, x fastest.
     Grid,
     /// One material id a triangle; may be empty.
@@ -28,7 +30,7 @@ pub enum Section {
 
 impl Section {
     /// All sections, in file order.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Header,
         Self::Records,
         Self::Keys,
@@ -37,6 +39,7 @@ impl Section {
         Self::IndexedBlocks,
         Self::Vertices,
         Self::Bvh,
+        Self::Lattices,
         Self::Grid,
         Self::Materials,
     ];
@@ -52,6 +55,7 @@ impl Section {
             Self::IndexedBlocks => *b"iblk",
             Self::Vertices => *b"vert",
             Self::Bvh => *b"brch",
+            Self::Lattices => *b"latt",
             Self::Grid => *b"grid",
             Self::Materials => *b"mats",
         })
@@ -68,6 +72,7 @@ impl Section {
             Self::IndexedBlocks => "indexed blocks",
             Self::Vertices => "vertices",
             Self::Bvh => "BVH nodes",
+            Self::Lattices => "lattices",
             Self::Grid => "entry grid",
             Self::Materials => "materials",
         }

@@ -4,7 +4,8 @@ use super::wrong_length;
 use crate::blocks::{Blocks, Indexed};
 use crate::error::DecodeError;
 use crate::layout::{
-    BLOCK_WORDS, BVH_NODE_WORDS, BVH_WIDTH, Child, INDEXED_BLOCK_WORDS, LatticeBox, MAX_DEPTH, Section,
+    BLOCK_WORDS, BVH_NODE_WORDS, BVH_WIDTH, BvhNode, Child, INDEXED_BLOCK_WORDS, Lattice, LatticeBox, MAX_DEPTH,
+    Section,
 };
 use crate::parts::Parts;
 
@@ -18,6 +19,7 @@ pub(super) fn check(parts: &Parts<'_>) -> Result<(), DecodeError> {
     if parts.bvh.is_empty() {
         return if parts.blocks.is_empty() { Ok(()) } else { wrong };
     }
+    lattices(parts)?;
     census.enter(0)?;
     // At each depth the node, and the slot to look at next.
     let mut path = [(0u32, 0usize); MAX_DEPTH];
@@ -52,6 +54,18 @@ pub(super) fn check(parts: &Parts<'_>) -> Result<(), DecodeError> {
     })
 }
 
+/// Checks the lattices of a wide octree: the root's is that of the root, so that no box reaches out of it.
+fn lattices(parts: &Parts<'_>) -> Result<(), DecodeError> {
+    let is_wrong = |(node, lattice): &(u32, &Lattice)| match node {
+        0 => **lattice != Lattice::root(&parts.frame),
+        _ => !lattice.is_sound(),
+    };
+    match (0..).zip(parts.lattices).find(is_wrong) {
+        Some((node, _)) => Err(DecodeError::BadLattice { node }),
+        None => Ok(()),
+    }
+}
+
 /// What nodes have led to so far.
 struct Census<'a> {
     parts: &'a Parts<'a>,
@@ -63,7 +77,7 @@ impl Census<'_> {
     /// Checks all children of a node that exists.
     fn enter(&mut self, number: u32) -> Result<(), DecodeError> {
         let node = &self.parts.bvh[number as usize];
-        let is_right = (0..BVH_WIDTH).all(|slot| self.child(node.child(slot)));
+        let is_right = (0..BVH_WIDTH).all(|slot| self.child(number, node.child(slot)));
         if is_right && node.children.iter().any(|word| Child::from_word(*word) != Child::Vacant) {
             Ok(())
         } else {
@@ -71,7 +85,7 @@ impl Census<'_> {
         }
     }
 
-    fn child(&mut self, (boxed, child): (LatticeBox, Child)) -> bool {
+    fn child(&mut self, parent: u32, (boxed, child): (LatticeBox, Child)) -> bool {
         match child {
             Child::Vacant => boxed == LatticeBox::VACANT,
             Child::Block(block) => {
@@ -82,8 +96,19 @@ impl Census<'_> {
             Child::Node(child) => {
                 let is_next = child == self.taken;
                 self.taken = self.taken.saturating_add(1);
-                is_next && self.parts.bvh.get(child as usize).is_some_and(|child| child.hull() == boxed)
+                is_next && self.is_hull(parent, boxed, child)
             }
+        }
+    }
+
+    /// Whether the box of a child that is a node is that of its own children; in a wide octree, where the two count different
+    /// steps, whether it holds them.
+    fn is_hull(&self, parent: u32, boxed: LatticeBox, child: u32) -> bool {
+        let Parts { bvh, lattices, .. } = self.parts;
+        let Some(hull) = bvh.get(child as usize).map(BvhNode::hull) else { return false };
+        match lattices.get(child as usize) {
+            Some(own) => boxed.is_whole() && self.parts.lattice(parent).holds(boxed, own, hull),
+            None => hull == boxed,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::wrong_length;
 use crate::error::{DecodeError, RecordFault};
-use crate::layout::{BVH_NODE_WORDS, BVH_WIDTH, Child, Key, LatticeBox, Section};
+use crate::layout::{BVH_NODE_WORDS, BVH_WIDTH, Child, Key, Lattice, LatticeBox, Section};
 use crate::parts::Parts;
 
 /// How many payloads have been taken up so far.
@@ -48,10 +48,17 @@ impl<'a> Contents<'a> {
         match child {
             Child::Vacant => boxed == LatticeBox::VACANT,
             Child::Block(block) => is_inside && (block as usize) < self.parts.blocks.len(),
-            Child::Node(node) => {
-                is_inside && self.parts.bvh.get(node as usize).is_some_and(|node| node.hull().grown().contains(boxed))
-            }
+            Child::Node(node) => is_inside && self.hull(node).is_some_and(|hull| hull.grown().contains(boxed)),
         }
+    }
+
+    /// The box around a node's children, in the root's steps.
+    fn hull(&self, node: u32) -> Option<LatticeBox> {
+        let hull = self.parts.bvh.get(node as usize)?.hull();
+        Some(match self.parts.lattices.get(node as usize) {
+            Some(own) => own.seen_from(&Lattice::root(&self.parts.frame), hull),
+            None => hull,
+        })
     }
 
     /// Checks that no payload is left over.

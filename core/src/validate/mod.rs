@@ -9,8 +9,8 @@ use crate::contract::{MESH_MARGIN, PADDING};
 use crate::error::DecodeError;
 use crate::frame::Frame;
 use crate::layout::{
-    KEY_WORDS, Key, LATTICE, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, MAX_LEVEL, NONE, RECORD_WORDS, Record,
-    Section,
+    KEY_WORDS, Key, LATTICE, LATTICE_WORDS, LINK_COARSER, LINK_FINER, LINK_NONE, LINK_SAME, MAX_LEVEL, NONE,
+    RECORD_WORDS, Record, Section,
 };
 use crate::parts::Parts;
 
@@ -61,6 +61,9 @@ fn lengths(parts: &Parts<'_>) -> Result<(), DecodeError> {
     }
     if parts.grid.len() != 1 << (3 * parts.header.grid_bits) {
         return Err(wrong_length(Section::Grid, parts.grid.len(), 1));
+    }
+    if !parts.lattices.is_empty() && parts.lattices.len() != parts.bvh.len() {
+        return Err(wrong_length(Section::Lattices, parts.lattices.len(), LATTICE_WORDS));
     }
     if !parts.materials.is_empty() && parts.materials.len() != parts.header.primitives as usize {
         return Err(wrong_length(Section::Materials, parts.materials.len(), 1));

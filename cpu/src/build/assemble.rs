@@ -3,8 +3,8 @@
 use leafwalk_core::Octree;
 use leafwalk_core::contract::PADDING;
 use leafwalk_core::layout::{
-    BLOCK_WIDTH, BLOCK_WORDS, BVH_NODE_WORDS, Block, BvhNode, INDEXED_BLOCK_WORDS, KEY_WORDS, NONE, RECORD_WORDS,
-    Section, Triangle, VERTEX_WORDS,
+    BLOCK_WIDTH, BLOCK_WORDS, BVH_NODE_WORDS, Block, BvhNode, INDEXED_BLOCK_WORDS, KEY_WORDS, LATTICE_WORDS, NONE,
+    RECORD_WORDS, Section, Triangle, VERTEX_WORDS,
 };
 use leafwalk_core::testing::{self, Policy};
 use leafwalk_core::wire::{self, Header};
@@ -64,6 +64,7 @@ pub(crate) fn assemble(
         Section::IndexedBlocks => indexed.len() * INDEXED_BLOCK_WORDS,
         Section::Vertices => vertices.len() * VERTEX_WORDS,
         Section::Bvh => hierarchy.nodes.len() * BVH_NODE_WORDS,
+        Section::Lattices => hierarchy.lattices.len() * LATTICE_WORDS,
         Section::Grid => linked.grid.len(),
         Section::Materials => mesh.material_ids.len(),
         _ => 0,
@@ -102,6 +103,7 @@ pub(crate) fn assemble(
     section(Section::IndexedBlocks).copy_from_slice(bytemuck::cast_slice(&indexed));
     section(Section::Vertices).copy_from_slice(bytemuck::cast_slice(&vertices));
     section(Section::Bvh).copy_from_slice(bytemuck::cast_slice(&hierarchy.nodes));
+    section(Section::Lattices).copy_from_slice(bytemuck::cast_slice(&hierarchy.lattices));
     section(Section::Grid).copy_from_slice(&linked.grid);
     section(Section::Materials).copy_from_slice(mesh.material_ids);
     wire::seal(&mut words, &spans);

@@ -44,7 +44,11 @@ pub enum Spoiled {
 impl Spoiled {
     /// The steps of a box, a step too small where boxes are spoiled.
     pub(super) fn boxed(self, bounds: Bounds) -> LatticeBox {
-        let LatticeBox { lower, upper } = bounds.boxed();
+        self.shrunk(bounds.boxed())
+    }
+
+    /// A box, a step too small where boxes are spoiled.
+    pub(super) fn shrunk(self, LatticeBox { lower, upper }: LatticeBox) -> LatticeBox {
         let shrink = |k: usize| u16::from(self == Self::Boxes && lower[k] < upper[k]);
         LatticeBox { lower, upper: core::array::from_fn(|k| upper[k] - shrink(k)) }
     }

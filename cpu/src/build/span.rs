@@ -33,6 +33,14 @@ impl Span {
         Self { lower: self.lower.fast_min(other.lower), upper: self.upper.fast_max(other.upper) }
     }
 
+    /// Its lower and its upper corner.
+    pub(super) fn corners(self) -> [[f32; 3]; 2] {
+        [self.lower, self.upper].map(|corner| {
+            let [x, y, z, _] = corner.to_array();
+            [x, y, z]
+        })
+    }
+
     /// Half of the surface in square lattice steps.
     #[inline]
     pub(super) fn area(self) -> f32 {

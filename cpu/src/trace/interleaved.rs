@@ -116,18 +116,20 @@ impl<L: Eight> Slot<L> {
     /// Visits a node or a block, and asks for the next.
     #[inline(always)]
     fn visit<B: BlockSource, Q: Query>(&mut self, bvh: &Bvh<'_, B>, room: &mut Option<Block>) {
-        let Probe { slabs, order, shear, axes, neg, nearest, .. } = &mut self.probe;
         if let Some(node) = bvh.node(self.child) {
-            let (first, met) = boxes_hit(slabs, *order, node, nearest);
+            let Probe { slabs, origin, order, neg, nearest, .. } = &self.probe;
+            let slabs = bvh.blocks.slabs(self.child, slabs, *origin);
+            let (first, met) = boxes_hit(&slabs, *order, node, nearest);
             self.stack.push(node, *neg, first, met);
         } else if let Some(block) = bvh.block(self.child, room) {
+            let Probe { shear, axes, nearest, .. } = &mut self.probe;
             test_block(block, &Shear::<L>::splat(shear), *axes, nearest);
             if Q::ANY && nearest.is_hit() {
                 self.child = END;
                 return;
             }
         }
-        self.child = self.stack.pop(nearest.t);
+        self.child = self.stack.pop(self.probe.nearest.t);
         bvh.prefetch::<L>(self.child);
     }
 }

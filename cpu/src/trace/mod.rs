@@ -90,7 +90,7 @@ impl<B: BlockSource, Q: Query> Kernel for Batch<'_, B, Q> {
             };
             if is_tried {
                 let (first, len) = (run.first(), run.len());
-                if let Some(mut tile) = Tile::<L>::new(run.fill_up(), bvh.frame.frame().corner, tiling) {
+                if let Some(mut tile) = Tile::<L>::new::<B>(run.fill_up(), bvh.frame.frame().corner, tiling) {
                     let is_answered = tile.trace::<B, Q>(bvh, &mut waiting);
                     patience.learns(is_answered);
                     if is_answered {

@@ -252,6 +252,31 @@ impl Packet {
         (shear, PERMUTATIONS[self.main_axis[lane] as usize % 3])
     }
 
+    /// Where t' is 0 on the ray of a lane, in lattice coordinates.
+    #[inline(always)]
+    pub(crate) fn origin_of(&self, lane: usize) -> [f32; 3] {
+        let axes = PERMUTATIONS[self.main_axis[lane] as usize % 3];
+        let mut origin = [0.0; 3];
+        for k in 0..3 {
+            origin[axes[k]] = self.origin[k][lane];
+        }
+        origin
+    }
+
+    /// Where t' is 0 on each ray, in lattice coordinates.
+    #[inline(always)]
+    pub(crate) fn origins<L: Eight>(&self) -> [L; 3] {
+        let main_axis = load_integers::<L>(&self.main_axis);
+        let (is_x, is_xy) = (L::below(main_axis, L::Bits::splat(1)), L::below(main_axis, L::Bits::splat(2)));
+        let rows: [L; 3] = unroll!(k in 0..3 => L::load(&self.origin[k]));
+        // Each permutation is a rotation, which puts axis k in this place.
+        const PLACES: [[usize; 3]; 3] = [[2, 0, 1], [1, 2, 0], [0, 1, 2]];
+        unroll!(k in 0..3 => {
+            let [x, y, z] = unroll!(main in 0..3 => rows[PLACES[main][k]]);
+            x.or_else(is_x, y.or_else(is_xy, z))
+        })
+    }
+
     /// Takes a ray of another packet into a lane.
     #[inline(always)]
     pub(crate) fn set_ray(&mut self, lane: usize, other: &Self, from: usize) {
@@ -286,6 +311,7 @@ impl Packet {
         let lane = self.next();
         let (shear, axes) = self.shear_of(lane);
         let probe = Probe {
+            origin: self.origin_of(lane),
             slabs: self.slabs_of(lane),
             shear,
             order: L::order(self.neg[lane]),

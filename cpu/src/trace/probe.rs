@@ -14,6 +14,8 @@ pub(crate) struct Probe<L: Eight> {
     pub(crate) slabs: Slabs<L>,
     /// In which order the ray looks at the slots of BVH nodes.
     pub(crate) order: L::Order,
+    /// Where t' is 0, in lattice coordinates.
+    pub(crate) origin: [f32; 3],
     /// What triangles are tested with.
     pub(crate) shear: Shear<f32>,
     /// The axes in the order of the shear, the main one last.
@@ -40,6 +42,7 @@ impl<L: Eight> Probe<L> {
         Self {
             slabs,
             order: L::order(neg),
+            origin: *o,
             shear: Shear { origin: [o[x], o[y], o[z]], slope: [slope[0], slope[1], slope[2]] },
             axes,
             neg,

@@ -31,13 +31,13 @@ pub(crate) fn descend<L: Eight, B: BlockSource, Q: Query>(
     probe: &Probe<L>,
     stack: &mut Stack,
 ) -> Nearest {
-    let Probe { slabs, order, neg, mut nearest, .. } = *probe;
+    let Probe { slabs, origin, order, neg, mut nearest, .. } = *probe;
     stack.clear();
     let mut child = ROOT;
     let mut room = None;
     loop {
         if let Some(node) = bvh.node(child) {
-            let (first, met) = boxes_hit(&slabs, order, node, &nearest);
+            let (first, met) = boxes_hit(&bvh.blocks.slabs(child, &slabs, origin), order, node, &nearest);
             if met != 0 {
                 child = stack.enter(node, neg, first, met);
                 continue;

@@ -33,7 +33,9 @@ impl WalkKernels {
         let bytes = size_of_val(octree.as_words()) as u64;
         let words = WordBindings::new(bytes, binding_bytes).map_err(|most| GpuError::OctreeTooLarge { bytes, most })?;
         let module = Module::new(gpu, "tracing", &shader::tracing(arithmetic, words), words.count)?;
-        let kernel = |name, any_hit: bool| module.kernel(gpu, name, &[("ANY_HIT", f64::from(u8::from(any_hit)))]);
+        let flag = |flag: bool| f64::from(u8::from(flag));
+        let is_wide = flag(!octree.lattices().is_empty());
+        let kernel = |name, any_hit| module.kernel(gpu, name, &[("ANY_HIT", flag(any_hit)), ("IS_WIDE", is_wide)]);
         let closest_hits = kernel("closest_hits", false)?;
         let occlusions = kernel("occlusions", true)?;
         let closest_hits_with_work = kernel("closest_hits_with_work", false)?;

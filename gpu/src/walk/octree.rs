@@ -34,6 +34,14 @@ pub struct OctreeSetup {
     pub hull_upper: [f32; 3],
     /// First quad of the nodes of the BVH.
     pub bvh: u32,
+    /// First quad of their lattices, of which there are none unless the octree is wide.
+    pub lattices: u32,
+    /// Fill the last quad.
+    pub unused_0: u32,
+    /// Likewise.
+    pub unused_1: u32,
+    /// Likewise.
+    pub unused_2: u32,
 }
 
 impl OctreeSetup {
@@ -52,6 +60,10 @@ impl OctreeSetup {
             hull_lower,
             hull_upper,
             bvh: quad(Section::Bvh),
+            lattices: quad(Section::Lattices),
+            unused_0: 0,
+            unused_1: 0,
+            unused_2: 0,
             zero: 0,
         }
     }

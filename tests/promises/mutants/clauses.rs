@@ -166,6 +166,31 @@ fn boxes_too_small() {
 }
 
 #[test]
+fn boxes_a_step_of_their_lattice_too_small() {
+    // Triangles of a few steps of the lattices of the deepest nodes.
+    let detail = meshes::shards(3000, 1e-5..1e-3, 1.0, 68);
+    let mesh = meshes::in_sky_box(&detail, 1e5, 0.1);
+    let check = |spoiled: Spoiled| {
+        let octree = spoil(Builder::new(), spoiled).build(&mesh).expect("a mesh that builds");
+        assert!(!octree.lattices().is_empty());
+        let batches = CpuTracer::new(octree.view());
+        let (singles, streamed) = (OneByOne(&batches), testing::streamed(batches.clone()));
+        let every = Every::<f32>::of(&octree);
+        let tracers: [Named<'_>; 3] = [("batches", &batches), ("single rays", &singles), ("streams", &streamed)];
+        let found = differences(&tracers, &every, &hard(&detail), scaled(RAYS), 68);
+        (found, in_lanes(&octree, &hard(&detail), 68), under::<Standard>(&octree, &hard(&detail), 68))
+    };
+    let (descents, in_lanes, walks) = check(Spoiled::Nothing);
+    descents.passes("lattices, P2", 0.05);
+    in_lanes.passes("lattices, P2 of walks in lanes", 0.05);
+    walks.passes("lattices, P2 of walks", 0.05);
+    let (descents, in_lanes, walks) = check(Spoiled::Boxes);
+    descents.catches("boxes a step of their lattice too small");
+    in_lanes.catches("boxes a step of their lattice too small, in lanes");
+    walks.catches("boxes a step of their lattice too small, on walks");
+}
+
+#[test]
 fn beams_too_narrow() {
     // Triangles about as large as what a run aims at, so that some of them lie at the rim of their beams.
     let mesh = meshes::icosphere(3);

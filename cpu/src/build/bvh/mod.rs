@@ -8,11 +8,12 @@
 //! ```
 
 mod item;
+mod lattices;
 mod slots;
 mod split;
 
 use leafwalk_core::Frame;
-use leafwalk_core::layout::{BLOCK_WIDTH, BVH_WIDTH, BvhNode, Child, LatticeBox, MAX_DEPTH, Triangle};
+use leafwalk_core::layout::{BLOCK_WIDTH, BVH_WIDTH, BvhNode, Child, Lattice, LatticeBox, MAX_DEPTH, Triangle};
 use rayon::prelude::*;
 use wide::f32x4;
 
@@ -26,6 +27,9 @@ use split::{by_area, by_number};
 /// BVH nodes above it split by area, those below by number, so that no scene is deeper than [`MAX_DEPTH`]: ten levels of
 /// eight part 2^32 triangles into blocks.
 const BY_AREA: usize = MAX_DEPTH - 10;
+/// The share of a node's surface below which a part is not parted any more: its parts would be of few steps of the node's
+/// lattice, and have one of their own as a node's children.
+const LEAST_AREA: f32 = 1.0 / (1 << 20) as f32;
 /// Triangles for which a second thread is worth its while.
 const PARALLEL: usize = 16 * 1024;
 
@@ -33,6 +37,8 @@ const PARALLEL: usize = 16 * 1024;
 pub(crate) struct Hierarchy {
     /// In the order of the file; none for no triangles.
     pub(crate) nodes: Vec<BvhNode>,
+    /// One a node in wide scenes, else none.
+    pub(crate) lattices: Vec<Lattice>,
     /// The triangles of the blocks, by their places in the list of all, block after block.
     pub(crate) triangles: Vec<u32>,
     /// Where the triangles of each block start, and where the last one's end.
@@ -52,11 +58,12 @@ impl Hierarchy {
         hierarchy.nodes.push(BvhNode::VACANT);
         grower.node(part, 0, 0, &mut hierarchy);
         hierarchy.enclose();
+        hierarchy.widen(frame, triangles, spoiled);
         hierarchy
     }
 
     fn empty() -> Self {
-        Self { nodes: Vec::new(), triangles: Vec::new(), starts: vec![0] }
+        Self { nodes: Vec::new(), lattices: Vec::new(), triangles: Vec::new(), starts: vec![0] }
     }
 
     pub(crate) fn block_count(&self) -> usize {
@@ -178,8 +185,10 @@ impl Grower {
 
 /// Parts triangles again and again where it pays most, until there are as many parts as a node has slots.
 fn parts(part: Part<'_>, depth: usize) -> Vec<Part<'_>> {
+    let least = LEAST_AREA * part.bounds.area();
     let worth = |Part { bounds, items }: &Part<'_>| match items.len() {
         0..=BLOCK_WIDTH => f32::NEG_INFINITY,
+        _ if depth < BY_AREA && bounds.area() < least => f32::NEG_INFINITY,
         _ if depth < BY_AREA => bounds.area(),
         count => count as f32,
     };
@@ -197,9 +206,9 @@ fn parts(part: Part<'_>, depth: usize) -> Vec<Part<'_>> {
         if most == f32::NEG_INFINITY {
             break;
         }
-        let Part { items, .. } = parts.swap_remove(widest);
+        let part = parts.swap_remove(widest);
         worths[widest] = worths[parts.len()];
-        for part in if depth < BY_AREA { by_area(items) } else { by_number(items) } {
+        for part in if depth < BY_AREA { by_area(part) } else { by_number(part.items) } {
             worths[parts.len()] = worth(&part);
             parts.push(part);
         }

@@ -12,6 +12,12 @@ const BINS: usize = 16;
 /// Up to so many triangles are parted into as few blocks as can be, which costs little then, and saves a tenth of the blocks.
 const FILLED: usize = 128;
 
+/// A triangle whose box is longer than this share of all triangles' may be parted from those that are not.
+const LARGE: f32 = 0.25;
+/// The share of the surface below which it pays to part small triangles from large ones at once: planes would part what is
+/// small, again and again, before it is rid of what is large.
+const SMALL_AREA: f32 = 1.0 / 64.0;
+
 /// Blocks that so many triangles fill.
 fn blocks(triangles: usize) -> usize {
     triangles.div_ceil(BLOCK_WIDTH)
@@ -59,11 +65,19 @@ impl Binning {
 }
 
 /// Parts more triangles than one block holds at the best of the planes between bins.
-pub(super) fn by_area(items: &mut [Item]) -> [Part<'_>; 2] {
+pub(super) fn by_area(Part { bounds: all, items }: Part<'_>) -> [Part<'_>; 2] {
     if items.len() <= 2 * BLOCK_WIDTH {
         return in_blocks(items);
     }
-    let Span { lower: low, upper: high } = centres(items);
+    let (centres, longest) = outline(items);
+    let large = LARGE * length(all.upper - all.lower);
+    if length(longest) > large
+        && let Some(small) = small_ones(items, large, SMALL_AREA * all.area())
+    {
+        let (small, large) = items.split_at_mut(small);
+        return [small, large].map(Part::new);
+    }
+    let Span { lower: low, upper: high } = centres;
     let extent = (high - low).to_array();
     let scale = |k: usize| if extent[k] > 0.0 { (BINS as f32 / extent[k]).min(f32::MAX) } else { 0.0 };
     let binning = Binning { low, scale: f32x4::new([scale(0), scale(1), scale(2), 0.0]) };
@@ -116,10 +130,35 @@ pub(super) fn by_area(items: &mut [Item]) -> [Part<'_>; 2] {
     [Part { bounds: bounds[0], items: left }, Part { bounds: bounds[1], items: right }]
 }
 
-/// The box around all centres.
-fn centres(items: &[Item]) -> Span {
-    let centres = items.iter().map(|item| Span { lower: item.centre(), upper: item.centre() });
-    centres.fold(Span::EMPTY, Span::join)
+/// The box around all centres, and the longest edges of the triangles' boxes.
+fn outline(items: &[Item]) -> (Span, f32x4) {
+    let all = (Span::EMPTY, f32x4::ZERO);
+    items.iter().fold(all, |(centres, longest), item| {
+        let (centre, bounds) = (item.centre(), item.bounds());
+        (centres.join(Span { lower: centre, upper: centre }), longest.fast_max(bounds.upper - bounds.lower))
+    })
+}
+
+/// The longest edge of a box, given by its edges.
+fn length(edges: f32x4) -> f32 {
+    let [x, y, z, _] = edges.to_array();
+    x.max(y).max(z)
+}
+
+/// Puts the triangles first whose boxes have no edge longer than one, and counts them, if the box around them has less than
+/// a surface.
+#[inline(never)]
+fn small_ones(items: &mut [Item], longest: f32, surface: f32) -> Option<usize> {
+    let (mut count, mut bounds) = (0, Span::EMPTY);
+    for at in 0..items.len() {
+        let own = items[at].bounds();
+        if length(own.upper - own.lower) <= longest {
+            bounds = bounds.join(own);
+            items.swap(count, at);
+            count += 1;
+        }
+    }
+    (count > 0 && bounds.area() < surface).then_some(count)
 }
 
 /// Parts triangles that fill two blocks into these, along the best axis.
@@ -161,7 +200,7 @@ fn ordered(x: f32) -> u32 {
 
 /// Parts triangles into halves along the longest axis of their centres.
 pub(super) fn by_number(items: &mut [Item]) -> [Part<'_>; 2] {
-    let Span { lower: low, upper: high } = centres(items);
+    let Span { lower: low, upper: high } = outline(items).0;
     let [x, y, z, _] = (high - low).to_array();
     let axis = if x >= y && x >= z { 0 } else { 1 + usize::from(z > y) };
     at(items, axis, middle(items.len()))

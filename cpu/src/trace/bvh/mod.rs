@@ -4,8 +4,9 @@ pub(crate) mod node;
 pub(crate) mod stack;
 
 use leafwalk_core::canonical::PreparedFrame;
-use leafwalk_core::layout::{Block, BvhNode, Child, LatticeBox};
-use leafwalk_core::{Indexed, Octree};
+use leafwalk_core::layout::{Block, BvhNode, Child, Lattice, LatticeBox};
+use leafwalk_core::slabs::Slabs;
+use leafwalk_core::{Indexed, Octree, unroll};
 
 use crate::lanes::Eight;
 
@@ -20,13 +21,35 @@ pub(crate) struct Bvh<'a, B> {
     pub(crate) blocks: B,
 }
 
-/// Blocks, packed or indexed: kernels are compiled for either, so that neither costs the other anything.
+/// Blocks, packed or indexed, below boxes that count the root's steps or those of lattices: kernels are compiled for each, so
+/// that none costs the others anything.
 pub(crate) trait BlockSource: Copy + Sync {
+    /// Whether the boxes of each node count steps of a lattice of its own.
+    const IS_WIDE: bool = false;
     /// A block by its number, put together in `room` where the file does not hold it as it is tested; `None` beyond all
     /// blocks.
     fn block<'b>(&'b self, number: usize, room: &'b mut Option<Block>) -> Option<&'b Block>;
     /// Asks for the cache lines of a block that is visited soon.
     fn prefetch<L: Eight>(&self, number: usize);
+    /// What the boxes of a node are tested with, given what those that count the root's steps are, and where t' is 0 in
+    /// lattice coordinates.
+    #[inline(always)]
+    fn slabs<L: Eight>(&self, node: u32, slabs: &Slabs<L>, origin: [f32; 3]) -> Slabs<L> {
+        self.slabs_of(node, slabs, unroll!(k in 0..3 => L::splat(origin[k])))
+    }
+    /// [`BlockSource::slabs`] of eight rays.
+    #[inline(always)]
+    fn slabs_of<L: Eight>(&self, _node: u32, slabs: &Slabs<L>, _origin: [L; 3]) -> Slabs<L> {
+        *slabs
+    }
+    /// The lattice of a node of a wide octree.
+    #[inline(always)]
+    fn lattice(&self, _node: u32) -> Option<&Lattice> {
+        None
+    }
+    /// Asks for what [`BlockSource::slabs`] reads of a node that is visited soon.
+    #[inline(always)]
+    fn prefetch_slabs<L: Eight>(&self, _node: u32) {}
 }
 
 impl BlockSource for &[Block] {
@@ -55,6 +78,60 @@ impl BlockSource for Indexed<'_> {
         }
     }
 }
+
+/// Blocks of a wide octree.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wide<'a, B> {
+    pub(crate) blocks: B,
+    /// One a node.
+    pub(crate) lattices: &'a [Lattice],
+}
+
+impl<B: BlockSource> BlockSource for Wide<'_, B> {
+    const IS_WIDE: bool = true;
+    #[inline(always)]
+    fn block<'b>(&'b self, number: usize, room: &'b mut Option<Block>) -> Option<&'b Block> {
+        self.blocks.block(number, room)
+    }
+    #[inline(always)]
+    fn prefetch<L: Eight>(&self, number: usize) {
+        self.blocks.prefetch::<L>(number);
+    }
+    #[inline(always)]
+    fn slabs_of<L: Eight>(&self, node: u32, slabs: &Slabs<L>, origin: [L; 3]) -> Slabs<L> {
+        let Some(lattice) = self.lattices.get(node as usize) else { return *slabs };
+        Slabs::in_lattice(lattice, origin, slabs.inverse)
+    }
+    #[inline(always)]
+    fn lattice(&self, node: u32) -> Option<&Lattice> {
+        self.lattices.get(node as usize)
+    }
+    #[inline(always)]
+    fn prefetch_slabs<L: Eight>(&self, node: u32) {
+        if let Some(lattice) = self.lattices.get(node as usize) {
+            L::prefetch(lattice);
+        }
+    }
+}
+
+/// Calls with the blocks of an octree, of whichever kind they are.
+macro_rules! with_blocks {
+    ($octree:expr, $blocks:ident => $call:expr) => {
+        match ($octree.blocks(), $octree.lattices()) {
+            (leafwalk_core::Blocks::Packed($blocks), []) => $call,
+            (leafwalk_core::Blocks::Indexed($blocks), []) => $call,
+            (leafwalk_core::Blocks::Packed(blocks), lattices) => {
+                let $blocks = $crate::trace::bvh::Wide { blocks, lattices };
+                $call
+            }
+            (leafwalk_core::Blocks::Indexed(blocks), lattices) => {
+                let $blocks = $crate::trace::bvh::Wide { blocks, lattices };
+                $call
+            }
+        }
+    };
+}
+pub(crate) use with_blocks;
 
 impl<'a, B: BlockSource> Bvh<'a, B> {
     #[inline]
@@ -85,7 +162,10 @@ impl<'a, B: BlockSource> Bvh<'a, B> {
     #[inline(always)]
     pub(crate) fn prefetch<L: Eight>(&self, child: u32) {
         match self.node(child) {
-            Some(node) => L::prefetch(node),
+            Some(node) => {
+                L::prefetch(node);
+                self.blocks.prefetch_slabs::<L>(child);
+            }
             None => self.blocks.prefetch::<L>((child & Child::NUMBERS) as usize),
         }
     }

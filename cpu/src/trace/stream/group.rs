@@ -3,11 +3,13 @@
 use bytemuck::Zeroable;
 use leafwalk_core::lanes::Mask as _;
 use leafwalk_core::layout::{Block, BvhNode, NONE};
+use leafwalk_core::slabs::Slabs;
 use leafwalk_core::triangle::{PERMUTATIONS, Shear};
 use leafwalk_core::{Clock, Nearest, unroll};
 
 use crate::lanes::Eight;
-use crate::trace::bvh::node::{NearFarBoxes, test_block};
+use crate::trace::bvh::BlockSource;
+use crate::trace::bvh::node::{NearFarBoxes, near_far, test_block};
 use crate::trace::bvh::stack::in_order;
 use crate::trace::packet::Packet;
 use crate::trace::query::Query;
@@ -22,6 +24,7 @@ pub(crate) const EIGHTS: usize = GROUP / 8;
 #[repr(C, align(64))]
 struct GroupRay {
     inverse: [f32; 3],
+    /// In a wide octree, where t' is 0 in lattice coordinates.
     near: [f32; 3],
     far: [f32; 3],
     t_min: f32,
@@ -66,9 +69,9 @@ impl Group {
 
     /// Puts the rays of a packet that wait into the groups of their octants, none of which is full.
     #[inline(always)]
-    pub(crate) fn admit<L: Eight>(groups: &mut [Self; 8], packet: &Packet) {
+    pub(crate) fn admit<L: Eight, B: BlockSource>(groups: &mut [Self; 8], packet: &Packet) {
         let inverse: [L; 3] = unroll!(k in 0..3 => L::load(&packet.inverse[k]));
-        let [near, far] = packet.near_far::<L>();
+        let [near, far] = if B::IS_WIDE { [packet.origins::<L>(); 2] } else { packet.near_far::<L>() };
         let zero = L::splat(0.0);
         let index = unroll!(lane in 0..8 => packet.first + lane);
         let [x, y, z] = inverse;
@@ -109,8 +112,9 @@ impl Group {
     /// Which boxes of a node each ray of a list meets: a byte a ray, with a bit a lane, eight rays a number. And which any
     /// meets: a mask of places in the rays' order.
     #[inline(always)]
-    pub(crate) fn boxes_hit<L: Eight>(
+    pub(crate) fn boxes_hit<L: Eight, B: BlockSource>(
         &self,
+        (blocks, number): (&B, u32),
         node: &BvhNode,
         order: L::Order,
         neg: u32,
@@ -130,6 +134,12 @@ impl Group {
                     unroll!(k in 0..3 => L::splat(ray.near[k])),
                     unroll!(k in 0..3 => L::splat(ray.far[k])),
                 ];
+                let slabs = if B::IS_WIDE {
+                    let [inverse, ..] = slabs;
+                    near_far(blocks.slabs(number, &Slabs { inverse, lower: inverse, upper: inverse }, ray.near))
+                } else {
+                    slabs
+                };
                 *met |= u64::from(boxes.hit_by(&slabs, L::splat(ray.t_min), L::splat(ray.t)).to_bits()) << shift;
                 shift += 8;
             }

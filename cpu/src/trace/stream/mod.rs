@@ -78,7 +78,7 @@ impl Stream {
     ) {
         let is_end = packet.is_none();
         if let Some(packet) = packet {
-            Group::admit::<L>(&mut self.groups, packet);
+            Group::admit::<L, B>(&mut self.groups, packet);
         }
         for octant in 0..8 {
             let group = &self.groups[octant];
@@ -119,7 +119,8 @@ impl Stream {
                 }
                 let (lists, room) = lists.split_at_mut(end);
                 let list = &lists[begin..begin + eights];
-                let (met, mut left) = group.boxes_hit::<L>(node, order, neg, list, len as usize);
+                let (met, mut left) =
+                    group.boxes_hit::<L, B>((&bvh.blocks, child), node, order, neg, list, len as usize);
                 let room = room.as_flattened_mut();
                 let mut top = 0;
                 while left != 0 {

@@ -12,7 +12,7 @@
 
 use leafwalk_core::contract::{BOX_MARGIN, ROUNDOFF};
 use leafwalk_core::lanes::Lanes;
-use leafwalk_core::layout::{BvhNode, LATTICE};
+use leafwalk_core::layout::{BvhNode, LATTICE, Lattice};
 use leafwalk_core::unroll;
 
 use super::range::Range;
@@ -29,6 +29,82 @@ pub(crate) const EDGE: f32 = LATTICE as f32;
 pub(crate) const BEAM_MARGIN: f32 = 64.0 * ROUNDOFF * EDGE;
 /// Sum of a beam's widths at both ends above which its rays share too little.
 const WIDEST: f32 = 0.2 * EDGE;
+
+/// In wide octrees, the same as a share of the distance from the tile's base to what is looked at, and of how far from there
+/// the beam begins (docs/contract.md, "Beams").
+const SHARE: f32 = BOX_MARGIN / EDGE;
+
+/// Where the coordinates of a beam count from, axes permuted, and how far from there it begins.
+///
+/// In wide octrees that is where the first ray is at t' 0, such that what is near the rays has small coordinates; in others it
+/// is the anchor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Base<L> {
+    pub(crate) at: [L; 3],
+    /// The largest coordinate of a ray's origin, and of where it begins.
+    reach: L,
+}
+
+impl<L: Eight> Base<L> {
+    /// The anchor.
+    #[inline(always)]
+    pub(crate) fn anchor() -> Self {
+        Self { at: [L::splat(0.0); 3], reach: L::splat(0.0) }
+    }
+
+    /// The origin of the first ray.
+    #[inline(always)]
+    pub(crate) fn first(packets: &[Packet; PACKETS]) -> Self {
+        Self { at: unroll!(k in 0..3 => L::splat(packets[0].origin[k][0])), reach: L::splat(0.0) }
+    }
+
+    /// With the reach of rays that begin somewhere along axis 2.
+    #[inline(always)]
+    pub(crate) fn reaching(self, packets: &[Packet; PACKETS], begin: f32) -> Self {
+        let begin = L::splat(begin);
+        let mut reach = begin.abs();
+        for packet in packets {
+            for k in 0..3 {
+                reach = reach.max((L::load(&packet.origin[k]) - self.at[k]).abs());
+            }
+            for axis in 0..2 {
+                reach = reach.max(across(packet, axis, begin, &self).abs());
+            }
+        }
+        let Range { greatest, .. } = Range { least: reach, greatest: reach }.whole();
+        Self { reach: L::splat(greatest), ..self }
+    }
+
+    /// How much farther the rays look, given how far from the base.
+    #[inline(always)]
+    pub(crate) fn margin(&self, distance: L) -> L {
+        (distance + self.reach) * L::splat(SHARE)
+    }
+
+    /// Corners from the base, and how much farther the rays look there.
+    #[inline(always)]
+    pub(crate) fn corners(&self, corners: &[[L; 3]; 3]) -> ([[L; 3]; 3], L) {
+        let corners: [[L; 3]; 3] = unroll!(c in 0..3 => unroll!(k in 0..3 => corners[c][k] - self.at[k]));
+        let farthest: [L; 3] = unroll!(c in 0..3 => {
+            let [x, y, z] = corners[c];
+            x.abs().max(y.abs()).max(z.abs())
+        });
+        (corners, self.margin(farthest[0].max(farthest[1]).max(farthest[2])))
+    }
+
+    /// The corner of a node's lattice from the base, axis by axis as boxes have them, its step, and how much farther the rays
+    /// look at the node.
+    #[inline(always)]
+    pub(crate) fn lattice(&self, lattice: &Lattice, axes: [usize; 3]) -> ([L; 3], L, L) {
+        let mut corner = [L::splat(0.0); 3];
+        for k in 0..3 {
+            corner[axes[k]] = L::splat(lattice.corner[axes[k]]) - self.at[k];
+        }
+        let [x, y, z] = corner;
+        let farthest = x.abs().max(y.abs()).max(z.abs()) + L::splat(EDGE * lattice.step);
+        (corner, L::splat(lattice.step), self.margin(farthest))
+    }
+}
 
 /// A line across axis 2: `at + per_z * z`.
 #[derive(Clone, Copy, Debug)]
@@ -77,39 +153,55 @@ pub(crate) struct Beam<L> {
 }
 
 impl<L: Eight> Beam<L> {
-    /// The beam of each packet, a packet a lane, over a range of axis 2 that is not empty; and that of all packets.
+    /// The beam of each packet, a packet a lane, over a range of axis 2 that is not empty, either end of which may come first:
+    /// planes are best near that one. And the beam of all packets.
     ///
     /// `None`: they share too little.
     #[inline(always)]
-    pub(crate) fn around(packets: &[Packet; PACKETS], z: Range<f32>, margin: f32) -> Option<(Self, Self)> {
+    pub(crate) fn around(
+        packets: &[Packet; PACKETS],
+        z: Range<f32>,
+        base: &Base<L>,
+        margin: f32,
+    ) -> Option<(Self, Self)> {
         let range = Range::splat(z);
-        let [x, all_x] = sides::<L>(packets, 0, range, margin)?;
-        let [y, all_y] = sides::<L>(packets, 1, range, margin)?;
+        let [x, all_x] = sides::<L>(packets, 0, range, base, margin)?;
+        let [y, all_y] = sides::<L>(packets, 1, range, base, margin)?;
         Some((Self { sides: [x, y] }, Self { sides: [all_x, all_y] }))
     }
 
-    /// Lanes whose triangle may be hit by a ray of the beam; either may be the same in all lanes.
+    /// Lanes whose triangle may be hit by a ray of the beam; either may be the same in all lanes. The margin is what the planes
+    /// have not been moved outward by.
     #[inline(always)]
-    pub(crate) fn may_hit(&self, corners: &[[L; 3]; 3]) -> L::Mask {
-        self.straddled(corners, 0) & self.straddled(corners, 1)
+    pub(crate) fn may_hit(&self, corners: &[[L; 3]; 3], margin: Option<L>) -> L::Mask {
+        self.straddled(corners, margin, 0) & self.straddled(corners, margin, 1)
     }
 
     /// Lanes whose corners do not all lie beyond one side.
     #[inline(always)]
-    fn straddled(&self, corners: &[[L; 3]; 3], axis: usize) -> L::Mask {
+    fn straddled(&self, corners: &[[L; 3]; 3], margin: Option<L>, axis: usize) -> L::Mask {
         let [a, b, c]: [L; 3] = unroll!(c in 0..3 => self.sides[axis].low.beyond(corners[c][axis], corners[c][2]));
         let [d, e, f]: [L; 3] = unroll!(c in 0..3 => self.sides[axis].high.beyond(corners[c][axis], corners[c][2]));
         let zero = L::splat(0.0);
-        zero.at_most(a.max(b).max(c)) & d.min(e).min(f).at_most(zero)
+        match margin {
+            None => zero.at_most(a.max(b).max(c)) & d.min(e).min(f).at_most(zero),
+            Some(margin) => (zero - margin).at_most(a.max(b).max(c)) & d.min(e).min(f).at_most(margin),
+        }
     }
 }
 
 /// The sides of each packet and of all along one axis across.
 #[inline(always)]
-fn sides<L: Eight>(packets: &[Packet; PACKETS], axis: usize, z: Range<L>, margin: f32) -> Option<[Sides<L>; 2]> {
+fn sides<L: Eight>(
+    packets: &[Packet; PACKETS],
+    axis: usize,
+    z: Range<L>,
+    base: &Base<L>,
+    margin: f32,
+) -> Option<[Sides<L>; 2]> {
     let (near, far) = (
-        unroll!(packet in 0..8 => across(&packets[packet], axis, z.least)),
-        unroll!(packet in 0..8 => across(&packets[packet], axis, z.greatest)),
+        unroll!(packet in 0..8 => across(&packets[packet], axis, z.least, base)),
+        unroll!(packet in 0..8 => across(&packets[packet], axis, z.greatest, base)),
     );
     // From a packet a row to a packet a lane.
     let (near, far) = (Range::of_rows(L::transpose(near)), Range::of_rows(L::transpose(far)));
@@ -124,8 +216,9 @@ fn sides<L: Eight>(packets: &[Packet; PACKETS], axis: usize, z: Range<L>, margin
 
 /// Where rays are along an axis across, given where along axis 2.
 #[inline(always)]
-fn across<L: Eight>(rays: &Packet, axis: usize, z: L) -> L {
-    L::load(&rays.origin[axis]) + L::load(&rays.slope[axis]) * (z - L::load(&rays.origin[2]))
+fn across<L: Eight>(rays: &Packet, axis: usize, z: L, base: &Base<L>) -> L {
+    let across = L::load(&rays.origin[axis]) - base.at[axis];
+    across + L::load(&rays.slope[axis]) * (z - (L::load(&rays.origin[2]) - base.at[2]))
 }
 
 /// Four planes against the boxes of a node, as seen from the root's corner.
@@ -169,6 +262,17 @@ impl<L: Eight> Plane<L> {
         }
     }
 
+    /// The plane for the boxes of a node whose lattice has its corner here, from the base.
+    #[inline(always)]
+    fn in_lattice(&self, is_low: bool, corner: [L; 3], step: L, margin: L) -> Self {
+        // Of a box in step n the side that comes farthest inward, and the end where the plane lies farthest outward.
+        let zero = L::splat(0.0);
+        let side = corner[self.side / 2] + if is_low { step } else { zero };
+        let end = corner[self.end / 2] + if self.end % 2 == 1 { step } else { zero };
+        let outward = if is_low { zero - margin } else { margin };
+        Self { at: (self.at - (side + self.minus_per_z * end) + outward) / step, ..*self }
+    }
+
     #[inline(always)]
     fn inward(&self, rows: &[[u16; 8]; 6], order: L::Order) -> L {
         self.minus_per_z.about_mul_add(L::from_steps(&rows[self.end], order), L::from_steps(&rows[self.side], order))
@@ -187,6 +291,43 @@ impl<L: Eight> BoxTest<L> {
             ends: [2 * end, 2 * end + 1],
             first_step: L::splat(z.least - corner[end] - ABOVE),
             last_step: L::splat(z.greatest - corner[end] - BELOW),
+        }
+    }
+
+    /// For a beam of a wide octree, before the lattice of a node is known.
+    #[inline(always)]
+    pub(crate) fn wide(beam: &Beam<L>, axes: [usize; 3], z: Range<f32>) -> Self {
+        let [x, y, end] = axes;
+        let [across, up] = &beam.sides;
+        let plane = |line: &Side<L>, axis: usize, is_low: bool| {
+            let is_upper_end = (line.per_z.to_array()[0] < 0.0) == is_low;
+            Plane {
+                at: line.at,
+                minus_per_z: L::splat(0.0) - line.per_z,
+                side: 2 * axis + usize::from(is_low),
+                end: 2 * end + usize::from(is_upper_end),
+            }
+        };
+        Self {
+            low: [plane(&across.low, x, true), plane(&up.low, y, true)],
+            high: [plane(&across.high, x, false), plane(&up.high, y, false)],
+            ends: [2 * end, 2 * end + 1],
+            first_step: L::splat(z.least),
+            last_step: L::splat(z.greatest),
+        }
+    }
+
+    /// The test for the boxes of a node with a lattice.
+    #[inline(always)]
+    pub(crate) fn in_lattice(&self, corner: [L; 3], step: L, margin: L) -> Self {
+        let along = corner[self.ends[0] / 2];
+        let ([a, b], [c, d]) = (&self.low, &self.high);
+        Self {
+            low: [a.in_lattice(true, corner, step, margin), b.in_lattice(true, corner, step, margin)],
+            high: [c.in_lattice(false, corner, step, margin), d.in_lattice(false, corner, step, margin)],
+            ends: self.ends,
+            first_step: (self.first_step - along - step - margin) / step,
+            last_step: (self.last_step - along + margin) / step,
         }
     }
 

@@ -31,10 +31,10 @@ use super::packet::{PACKETS, Packet};
 use super::query::Query;
 use super::stream::column;
 use crate::lanes::Eight;
-use beam::{BEAM_MARGIN, Beam, BoxTest};
+use beam::{BEAM_MARGIN, Base, Beam, BoxTest};
 use cull::RayCull;
 use hits::TileHits;
-use near::{EarliestEntry, along};
+use near::{EarliestEntry, along, along_from};
 
 /// Rays of a tile.
 const RAYS: usize = 8 * PACKETS;
@@ -79,6 +79,8 @@ pub(crate) struct Tile<'a, L: Eight> {
     entry: EarliestEntry<L>,
     /// Packets with rays that are not done, a bit each.
     asking: u32,
+    /// Where the planes of a wide octree count from.
+    base: Base<L>,
     hits: TileHits,
     /// The farthest t' that counts for any ray.
     last: f32,
@@ -89,22 +91,42 @@ pub(crate) struct Tile<'a, L: Eight> {
 impl<'a, L: Eight> Tile<'a, L> {
     /// A tile of uniform packets that go with each other, given where the root's corner is; `None` where their rays have too little in common.
     #[inline(always)]
-    pub(crate) fn new(packets: &'a [Packet; PACKETS], corner: [f32; 3], tiling: Tiling) -> Option<Self> {
+    pub(crate) fn new<B: BlockSource>(
+        packets: &'a [Packet; PACKETS],
+        corner: [f32; 3],
+        tiling: Tiling,
+    ) -> Option<Self> {
         let (neg, main_axis) = (packets[0].neg[0], packets[0].main_axis[0]);
         let axes = PERMUTATIONS[main_axis as usize % 3];
-        let z = along::<L>(packets, corner[axes[2]]);
-        let (of_packets, of_all) = Beam::around(packets, z, tiling.beam_margin)?;
+        let is_upper = neg >> axes[2] & 1 == 1;
+        let (base, z, ends, margin) = if B::IS_WIDE {
+            let base = Base::<L>::first(packets);
+            let z = along_from(packets, corner[axes[2]], &base)?;
+            let ends = z.nearer_first();
+            (base.reaching(packets, ends.least), z, ends, 0.0)
+        } else {
+            let z = along::<L>(packets, corner[axes[2]]);
+            (Base::anchor(), z, z, tiling.beam_margin)
+        };
+        let (of_packets, of_all) = Beam::around(packets, ends, &base, margin)?;
+        let (boxes, entry) = if B::IS_WIDE {
+            (BoxTest::wide(&of_all, axes, z), EarliestEntry::wide(packets, axes[2], is_upper, &base))
+        } else {
+            let entry = EarliestEntry::new(packets, axes[2], is_upper, corner[axes[2]]);
+            (BoxTest::new(&of_all, axes, z, corner), entry)
+        };
         let hits = TileHits::new::<L>(packets);
         Some(Self {
             packets,
             neg,
             order: L::order(neg),
             axes,
-            boxes: BoxTest::new(&of_all, axes, z, corner),
+            boxes,
+            base,
             of_packets,
             of_all,
             asking: 0xff,
-            entry: EarliestEntry::new(packets, axes[2], neg >> axes[2] & 1 == 1, corner[axes[2]]),
+            entry,
             last: hits.last::<L>(),
             hits,
             tests: 0,
@@ -120,13 +142,13 @@ impl<'a, L: Eight> Tile<'a, L> {
         let mut room = None;
         while self.tests < BEAM_TESTS {
             if let Some(node) = bvh.node(child) {
-                let (first, met) = self.boxes_hit(node);
+                let (first, met) = self.boxes_hit(&bvh.blocks, child, node);
                 if met != 0 {
                     child = waiting.stack.enter(node, self.neg, first, met);
                     continue;
                 }
             } else if let Some(block) = bvh.block(child, &mut room) {
-                self.test_triangles::<Q>(block, self.may_hit(block), self.asking);
+                self.test_triangles::<B, Q>(block, self.may_hit::<B>(block), self.asking);
             }
             child = waiting.stack.pop(self.last);
             if child == END {
@@ -134,16 +156,16 @@ impl<'a, L: Eight> Tile<'a, L> {
             }
         }
         waiting.set_all_rays(u64::MAX);
-        let cull = RayCull::<L>::new(self.packets, self.neg);
+        let cull = RayCull::<L>::new::<B>(self.packets, self.neg);
         let mut rays = u64::MAX;
         while self.tests < MOST_TESTS {
             if let Some(node) = bvh.node(child) {
-                let first = self.entry.of(node, self.order);
+                let first = self.first(&bvh.blocks, child, node);
                 let (met, each) = if rays.count_ones() > FEW {
-                    let (_, met) = self.boxes_hit(node);
-                    cull.by_rays(&self.hits, node, in_order::<L>(self.neg, met), rays)
+                    let (_, met) = self.boxes_hit(&bvh.blocks, child, node);
+                    cull.by_rays((&bvh.blocks, child), &self.hits, node, in_order::<L>(self.neg, met), rays)
                 } else {
-                    cull.by_boxes(&self.hits, node, rays)
+                    cull.by_boxes((&bvh.blocks, child), &self.hits, node, rays)
                 };
                 if met != 0 {
                     rays = each[met.trailing_zeros() as usize & 7];
@@ -152,7 +174,7 @@ impl<'a, L: Eight> Tile<'a, L> {
                     continue;
                 }
             } else if let Some(block) = bvh.block(child, &mut room) {
-                self.test_block::<Q>(block, rays);
+                self.test_block::<B, Q>(block, rays);
             }
             child = waiting.stack.pop(self.last);
             if child == END {
@@ -165,17 +187,46 @@ impl<'a, L: Eight> Tile<'a, L> {
 
     /// The boxes of a node that rays may meet, a bit a lane, and the earliest t' at which they do.
     #[inline(always)]
-    fn boxes_hit(&self, node: &BvhNode) -> (L, u32) {
-        let first = self.entry.of(node, self.order);
-        (first, (self.boxes.may_hit(node, self.order) & first.at_most(L::splat(self.last))).to_bits())
+    fn boxes_hit<B: BlockSource>(&self, blocks: &B, number: u32, node: &BvhNode) -> (L, u32) {
+        let first = self.first(blocks, number, node);
+        let may_hit = match blocks.lattice(number) {
+            None => self.boxes.may_hit(node, self.order),
+            Some(lattice) => {
+                let (corner, step, margin) = self.base.lattice(lattice, self.axes);
+                self.boxes.in_lattice(corner, step, margin).may_hit(node, self.order)
+            }
+        };
+        (first, (may_hit & first.at_most(L::splat(self.last))).to_bits())
+    }
+
+    /// The earliest t' at which rays may meet the boxes of a node.
+    #[inline(always)]
+    fn first<B: BlockSource>(&self, blocks: &B, number: u32, node: &BvhNode) -> L {
+        match blocks.lattice(number) {
+            None => self.entry.of(node, self.order),
+            Some(lattice) => {
+                let (corner, step, margin) = self.base.lattice(lattice, self.axes);
+                self.entry.in_lattice(corner, step, margin).of(node, self.order)
+            }
+        }
+    }
+
+    /// Lanes whose triangle may be hit by a ray of a beam.
+    #[inline(always)]
+    fn meets<B: BlockSource>(&self, beam: &Beam<L>, corners: &[[L; 3]; 3]) -> u32 {
+        if B::IS_WIDE {
+            let (corners, margin) = self.base.corners(corners);
+            return beam.may_hit(&corners, Some(margin)).to_bits();
+        }
+        beam.may_hit(corners, None).to_bits()
     }
 
     /// The triangles of a block that rays may hit, a bit a lane.
     #[inline(always)]
-    fn may_hit(&self, block: &Block) -> u32 {
+    fn may_hit<B: BlockSource>(&self, block: &Block) -> u32 {
         let corners: [[L; 3]; 3] =
             unroll!(c in 0..3 => unroll!(k in 0..3 => L::load(&block.vertices[c][self.axes[k]])));
-        self.of_all.may_hit(&corners).to_bits()
+        self.meets::<B>(&self.of_all, &corners)
     }
 
     /// Answers the rays of a tile that was traced; those beyond the answers are repetitions.
@@ -192,14 +243,14 @@ impl<'a, L: Eight> Tile<'a, L> {
 
     /// Tests the triangles of a block against rays, in the cheaper of two ways.
     #[inline(always)]
-    fn test_block<Q: Query>(&mut self, block: &Block, rays: u64) {
-        let triangles = self.may_hit(block);
+    fn test_block<B: BlockSource, Q: Query>(&mut self, block: &Block, rays: u64) {
+        let triangles = self.may_hit::<B>(block);
         let packets = packets(rays);
         let by_triangles = triangles.count_ones() * (TRIANGLE_COST + PACKET_COST * packets.count_ones());
         if rays.count_ones() * RAY_COST < by_triangles {
             self.test_rays::<Q>(block, rays);
         } else {
-            self.test_triangles::<Q>(block, triangles, packets);
+            self.test_triangles::<B, Q>(block, triangles, packets);
         }
     }
 
@@ -235,7 +286,7 @@ impl<'a, L: Eight> Tile<'a, L> {
 
     /// Tests some triangles against packets that they may be hit by.
     #[inline(always)]
-    fn test_triangles<Q: Query>(&mut self, block: &Block, mut triangles: u32, packets: u32) {
+    fn test_triangles<B: BlockSource, Q: Query>(&mut self, block: &Block, mut triangles: u32, packets: u32) {
         let asking = packets & self.asking;
         let mut is_hit = false;
         while triangles != 0 {
@@ -249,7 +300,7 @@ impl<'a, L: Eight> Tile<'a, L> {
             self.tests += 1;
             let triangle: [[L; 3]; 3] =
                 unroll!(c in 0..3 => unroll!(k in 0..3 => L::splat(block.vertices[c][self.axes[k]][lane])));
-            let mut packets = self.of_packets.may_hit(&triangle).to_bits() & asking;
+            let mut packets = self.meets::<B>(&self.of_packets, &triangle) & asking;
             while packets != 0 {
                 let packet = packets.trailing_zeros() as usize % PACKETS;
                 packets &= packets - 1;

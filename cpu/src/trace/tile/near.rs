@@ -4,10 +4,24 @@ use leafwalk_core::contract::BOX_MARGIN;
 use leafwalk_core::layout::BvhNode;
 use leafwalk_core::unroll;
 
-use super::beam::EDGE;
+use super::beam::{Base, EDGE};
 use super::range::Range;
 use crate::lanes::Eight;
 use crate::trace::packet::{PACKETS, Packet};
+
+/// [`along`] from a base, in wide octrees; `None` where it is empty.
+#[inline(always)]
+pub(crate) fn along_from<L: Eight>(packets: &[Packet; PACKETS], corner: f32, base: &Base<L>) -> Option<Range<f32>> {
+    let corner = L::splat(corner) - base.at[2];
+    let at = |rays: &Packet, t: &[f32; 8]| {
+        let place = (L::load(&rays.origin[2]) - base.at[2]) + L::load(&rays.speed) * L::load(t);
+        place.max(corner).min(corner + L::splat(EDGE))
+    };
+    let starts = Range::of_rows(unroll!(packet in 0..8 => at(&packets[packet], &packets[packet].t_min)));
+    let ends = Range::of_rows(unroll!(packet in 0..8 => at(&packets[packet], &packets[packet].t_max)));
+    let range = starts.and(ends.least).and(ends.greatest).whole();
+    (range.least < range.greatest).then_some(range)
+}
 
 /// Where along axis 2 rays may hit anything: inside the root, whose lower side is at `corner`, between their ends. Never
 /// empty.
@@ -28,6 +42,7 @@ fn at<L: Eight>(rays: &Packet, t: &[f32; 8], corner: f32) -> L {
 }
 
 /// The earliest t' at which a tile's rays enter boxes: where the first of them meets their near sides along axis 2.
+#[derive(Clone, Copy)]
 pub(crate) struct EarliestEntry<L> {
     axis: usize,
     /// Whether rays meet the upper sides first.
@@ -54,6 +69,26 @@ impl<L: Eight> EarliestEntry<L> {
             origin: L::splat(origin),
             inverse: Range::splat(inverse),
             t_min: L::splat(Range::of_rows(unroll!(packet in 0..8 => L::load(&packets[packet].t_min))).whole().least),
+        }
+    }
+
+    /// In wide octrees, before the lattice of a node is known: origins count from a base.
+    #[inline(always)]
+    pub(crate) fn wide(packets: &[Packet; PACKETS], axis: usize, is_upper: bool, base: &Base<L>) -> Self {
+        let origins = unroll!(packet in 0..8 => L::load(&packets[packet].origin[2]) - base.at[2]);
+        let origin = Range::of_rows(origins).whole();
+        let origin = L::splat(if is_upper { origin.least } else { origin.greatest });
+        Self { origin, ..Self::new(packets, axis, is_upper, 0.0) }
+    }
+
+    /// The test for the boxes of a node with a lattice.
+    #[inline(always)]
+    pub(crate) fn in_lattice(&self, corner: [L; 3], step: L, margin: L) -> Self {
+        let away = self.origin - corner[self.axis];
+        Self {
+            origin: (if self.is_upper { away - step - margin } else { away + margin }) / step,
+            inverse: Range { least: self.inverse.least * step, greatest: self.inverse.greatest * step },
+            ..*self
         }
     }
 

@@ -26,6 +26,15 @@ impl<L: Lanes> Range<L> {
     }
 }
 
+impl Range<f32> {
+    /// Its ends, the one nearer to 0 in the place of the least.
+    #[inline(always)]
+    pub(crate) fn nearer_first(self) -> Self {
+        let Self { least, greatest } = self;
+        if least.abs() <= greatest.abs() { self } else { Self { least: greatest, greatest: least } }
+    }
+}
+
 impl<L: Eight> Range<L> {
     /// One range in every lane.
     #[inline(always)]

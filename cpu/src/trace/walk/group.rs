@@ -124,12 +124,14 @@ impl Group {
         while listing != 0 {
             let lane = listing.trailing_zeros() as usize & 7;
             listing &= listing - 1;
-            let (slabs, neg) = (self.rays.slabs_of::<L>(lane), self.rays.neg[lane]);
+            let (slabs, origin) = (self.rays.slabs_of::<L>(lane), self.rays.origin_of(lane));
+            let neg = self.rays.neg[lane];
             let order = L::order(neg);
             let Some(mut node) = parts.payloads.get(self.payload[lane] as usize) else { continue };
             let (mut part, mut is_payload) = ((self.rays.t_min[lane], self.t[lane]), true);
+            let mut own = slabs;
             loop {
-                let (first, last) = clip_boxes(&slabs, order, node, part);
+                let (first, last) = clip_boxes(&own, order, node, part);
                 let mut met = in_order::<L>(neg, first.at_most(last).to_bits());
                 let (first, last) = (first.to_array(), last.to_array());
                 let waiting = pending.len();
@@ -155,6 +157,7 @@ impl Group {
                 let Some(next) = pending.pop() else { break };
                 let Some(below) = parts.bvh.get(next.node as usize) else { break };
                 (node, part, is_payload) = (below, next.part, false);
+                own = blocks.slabs(next.node, &slabs, origin);
             }
         }
     }

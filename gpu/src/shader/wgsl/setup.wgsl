@@ -12,6 +12,10 @@ struct Setup {
     zero: u32,
     hull_upper: vec3<f32>,
     bvh: u32,
+    lattices: u32,
+    unused_0: u32,
+    unused_1: u32,
+    unused_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> setup: Setup;

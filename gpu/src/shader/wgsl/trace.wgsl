@@ -139,6 +139,18 @@ fn test_block(block: u32, shear: Shear, nearest: ptr<function, Nearest>) {
     }
 }
 
+// Whether the boxes of each node of the BVH count steps of a lattice of its own.
+override IS_WIDE: bool = false;
+
+// core/src/trace.rs: Walk::sides, of a node that a quad is the first of, or of what the leaf lists at depth 0
+fn slabs_at(node: u32, depth: u32, slabs: Slabs, origin: vec3<f32>, line: Line) -> Slabs {
+    if !IS_WIDE || depth == 0u {
+        return slabs;
+    }
+    let lattice = quad(setup.lattices + (node - setup.bvh) / NODE_QUADS);
+    return slabs_in_lattice(bitcast<vec4<f32>>(lattice), origin, line.inverse);
+}
+
 // core/src/trace.rs: Walk::leaf, which returns the number of blocks that it tested.
 fn leaf(payload: u32, origin: vec3<f32>, line: Line, slope: vec3<f32>, nearest: ptr<function, Nearest>) -> u32 {
     let slabs = slabs_of(line.origin, line.inverse);
@@ -175,7 +187,8 @@ fn leaf(payload: u32, origin: vec3<f32>, line: Line, slope: vec3<f32>, nearest: 
         }
         var met = part;
         if depth == 0u || is_hit(*nearest) {
-            met = clip_slot(node, slot, slabs, line.neg, part.x, min(part.y, (*nearest).t));
+            let own = slabs_at(node, depth, slabs, origin, line);
+            met = clip_slot(node, slot, own, line.neg, part.x, min(part.y, (*nearest).t));
             // A nearer hit was found since the node was entered.
             if met.x > met.y {
                 continue;
@@ -192,7 +205,8 @@ fn leaf(payload: u32, origin: vec3<f32>, line: Line, slope: vec3<f32>, nearest: 
         path[depth] = vec2<u32>(node, waiting);
         depth += 1u;
         node = setup.bvh + child * NODE_QUADS;
-        waiting = in_order(boxes_met(node, slabs, line.neg, part.x, min(part.y, (*nearest).t)), line.neg);
+        let own = slabs_at(node, depth, slabs, origin, line);
+        waiting = in_order(boxes_met(node, own, line.neg, part.x, min(part.y, (*nearest).t)), line.neg);
     }
     return blocks;
 }
