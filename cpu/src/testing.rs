@@ -66,7 +66,8 @@ pub fn walked<W: AsRef<[u32]> + Sync>(tracer: CpuTracer<W>) -> CpuTracer<W> {
     tracer.with_way(Way::Walk)
 }
 
-/// A tracer whose beams are wider than their rays by this, in lattice steps: too small, and a test has to notice.
+/// A tracer whose beams are wider than their rays by this, in lattice steps, or as much in proportion in wide octrees: too
+/// small, and a test has to notice.
 #[must_use]
 pub fn with_beam_margin<W>(mut tracer: CpuTracer<W>, beam_margin: f32) -> CpuTracer<W> {
     tracer.tiling.beam_margin = beam_margin;

@@ -6,7 +6,7 @@ use leafwalk::{Builder, Mesh, Octree, Ray, load_mesh};
 use leafwalk_testing::random::Random;
 use leafwalk_testing::{meshes, rays, scenes};
 
-/// A mesh and its octree.
+/// An octree, and the mesh that rays are aimed at.
 pub(crate) struct Scene {
     pub(crate) name: &'static str,
     pub(crate) mesh: Mesh,
@@ -27,9 +27,9 @@ impl Scene {
 /// All of them, built once for all adapters.
 pub(crate) static ALL: LazyLock<Vec<Scene>> = LazyLock::new(|| {
     let made = scenes::made().into_iter().map(|(name, mesh)| Scene::new(name, mesh));
-    // So few levels that payloads are chained.
-    let chains = Scene::built_by(&Builder::new().max_level(2), "chains", meshes::soup(5000, 22));
-    let mut all: Vec<_> = made.chain([chains]).collect();
+    // So few levels that leaves list nodes of the BVH.
+    let large_leaves = Scene::built_by(&Builder::new().max_level(2), "large leaves", meshes::soup(5000, 22));
+    let mut all: Vec<_> = made.chain([large_leaves, wide()]).collect();
     for (name, file) in [("bunny", "bunny.ply.gz"), ("dragon", "dragon.ply.gz"), ("conference", "conference.obj.gz")] {
         if let Some(path) = scenes::real(file, name) {
             all.push(Scene::new(name, load_mesh(&path).expect("a readable scene").mesh.into_f32()));
@@ -37,6 +37,16 @@ pub(crate) static ALL: LazyLock<Vec<Scene>> = LazyLock::new(|| {
     }
     all
 });
+
+/// A sphere in a sky box of 1e4 times its size, in leaves so large that they list nodes of the BVH, which have lattices of
+/// their own. Rays are aimed at the sphere.
+fn wide() -> Scene {
+    let mesh = meshes::bumpy_sphere(4, 71);
+    let whole = meshes::in_sky_box(&mesh, 2e4, 0.31);
+    let octree = Builder::new().max_level(12).build(&whole).expect("a mesh that builds");
+    assert!(!octree.lattices().is_empty());
+    Scene { name: "wide", mesh, octree }
+}
 
 /// Hard rays of a scene, a third of those that hit cut next to a hit.
 pub(crate) fn hard(scene: &Scene, count: u64, seed: u64) -> Vec<Ray> {

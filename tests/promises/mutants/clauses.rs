@@ -214,3 +214,24 @@ fn beams_too_narrow() {
         }
     }
 }
+
+#[test]
+fn beams_too_narrow_in_wide_octrees() {
+    let detail = meshes::icosphere(3);
+    let octree = Builder::new().build(&meshes::in_sky_box(&detail, 1e4, 0.1)).expect("a mesh that builds");
+    assert!(!octree.lattices().is_empty());
+    let every = Every::<f32>::of(&octree);
+    let (centre, size) = extent(&detail);
+    for (shares, seed) in Shared::ALL.into_iter().zip(76..) {
+        // Here this counts in proportion to the margin: some two hundredths of the distance are cut off.
+        let cut = 640.0;
+        let source = |random: &mut Random| rays::coherent(shares, &detail, centre, size, random);
+        let check =
+            |tracer: &CpuTracer<&[u32]>| differences(&[("batches", tracer)], &every, &source, scaled(RAYS), seed);
+        for tracer in [CpuTracer::new(octree.view()), testing::portable(CpuTracer::new(octree.view()))] {
+            check(&tracer).passes(&format!("whole beams in a wide octree, runs that share {shares:?}"), 0.1);
+            check(&testing::with_beam_margin(tracer, -cut))
+                .catches(&format!("beams too narrow in a wide octree, runs that share {shares:?}"));
+        }
+    }
+}

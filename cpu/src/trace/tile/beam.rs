@@ -30,9 +30,9 @@ pub(crate) const BEAM_MARGIN: f32 = 64.0 * ROUNDOFF * EDGE;
 /// Sum of a beam's widths at both ends above which its rays share too little.
 const WIDEST: f32 = 0.2 * EDGE;
 
-/// In wide octrees, the same as a share of the distance from the tile's base to what is looked at, and of how far from there
-/// the beam begins (docs/contract.md, "Beams").
-const SHARE: f32 = BOX_MARGIN / EDGE;
+/// The same in wide octrees: a share of the distance from the tile's base to what is looked at, and of how far from there the
+/// beam begins (docs/contract.md, "Beams").
+const BEAM_SHARE: f32 = BOX_MARGIN / EDGE;
 
 /// Where the coordinates of a beam count from, axes permuted, and how far from there it begins.
 ///
@@ -43,19 +43,22 @@ pub(crate) struct Base<L> {
     pub(crate) at: [L; 3],
     /// The largest coordinate of a ray's origin, and of where it begins.
     reach: L,
+    /// [`BEAM_SHARE`], as a rule.
+    share: f32,
 }
 
 impl<L: Eight> Base<L> {
     /// The anchor.
     #[inline(always)]
     pub(crate) fn anchor() -> Self {
-        Self { at: [L::splat(0.0); 3], reach: L::splat(0.0) }
+        Self { at: [L::splat(0.0); 3], reach: L::splat(0.0), share: 0.0 }
     }
 
-    /// The origin of the first ray.
+    /// The origin of the first ray, of beams with a margin of [`BEAM_MARGIN`] as a rule.
     #[inline(always)]
-    pub(crate) fn first(packets: &[Packet; PACKETS]) -> Self {
-        Self { at: unroll!(k in 0..3 => L::splat(packets[0].origin[k][0])), reach: L::splat(0.0) }
+    pub(crate) fn first(packets: &[Packet; PACKETS], margin: f32) -> Self {
+        let at = unroll!(k in 0..3 => L::splat(packets[0].origin[k][0]));
+        Self { at, reach: L::splat(0.0), share: margin * (BEAM_SHARE / BEAM_MARGIN) }
     }
 
     /// With the reach of rays that begin somewhere along axis 2.
@@ -78,7 +81,7 @@ impl<L: Eight> Base<L> {
     /// How much farther the rays look, given how far from the base.
     #[inline(always)]
     pub(crate) fn margin(&self, distance: L) -> L {
-        (distance + self.reach) * L::splat(SHARE)
+        (distance + self.reach) * L::splat(self.share)
     }
 
     /// Corners from the base, and how much farther the rays look there.

@@ -53,7 +53,7 @@ const PACKET_COST: u32 = 80;
 /// How tiles are traced: tests may spoil it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tiling {
-    /// How far outside its planes a beam still looks.
+    /// How far outside its planes a beam still looks, in lattice steps; in wide octrees it scales with [`BEAM_MARGIN`].
     pub(crate) beam_margin: f32,
     /// Makes a tile of every run, however short it is, and however many tiles gave up.
     pub(crate) takes_every_run: bool,
@@ -100,7 +100,7 @@ impl<'a, L: Eight> Tile<'a, L> {
         let axes = PERMUTATIONS[main_axis as usize % 3];
         let is_upper = neg >> axes[2] & 1 == 1;
         let (base, z, ends, margin) = if B::IS_WIDE {
-            let base = Base::<L>::first(packets);
+            let base = Base::<L>::first(packets, tiling.beam_margin);
             let z = along_from(packets, corner[axes[2]], &base)?;
             let ends = z.nearer_first();
             (base.reaching(packets, ends.least), z, ends, 0.0)
