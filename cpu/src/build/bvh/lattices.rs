@@ -15,6 +15,8 @@ const MOST_INFLATION: f32 = 2.0;
 /// The share of blocks that count from which on a scene is wide: it is 0.44 in the conference room, 0.01 for a bunny in a sky box
 /// of 100 times its size, and 0.998 in one of 300.
 const WIDE_SHARE: f32 = 0.75;
+/// About so many blocks tell the share of all.
+const SAMPLE: u32 = 1024;
 
 impl Hierarchy {
     /// Gives each node a lattice of its own, and its boxes in steps of that, where the root's steps are too long for many
@@ -24,10 +26,10 @@ impl Hierarchy {
             let boxes = block.iter().map(|&number| Item::new(number, &triangles[number as usize]).bounds());
             boxes.fold(Span::EMPTY, Span::join)
         };
-        let blocks: Vec<Span> = self.par_blocks().map(around).collect();
-        if !self.is_wide(&blocks) {
+        if !self.is_wide(|block| around(self.block(block))) {
             return;
         }
+        let blocks: Vec<Span> = self.par_blocks().map(around).collect();
         let mut nodes = vec![Span::EMPTY; self.nodes.len()];
         self.lattices = vec![Lattice::root(frame); self.nodes.len()];
         for at in (0..self.nodes.len()).rev() {
@@ -54,19 +56,21 @@ impl Hierarchy {
         }
     }
 
-    /// Whether many blocks have boxes that the root's steps make far larger.
-    fn is_wide(&self, blocks: &[Span]) -> bool {
+    /// Whether many blocks have boxes that the root's steps make far larger than what is around them, by a sample.
+    fn is_wide(&self, around: impl Fn(u32) -> Span) -> bool {
         let children = self.nodes.iter().flat_map(|node| (0..BVH_WIDTH).map(|slot| node.child(slot)));
-        let is_inflated = |(boxed, child): (LatticeBox, Child)| match child {
-            Child::Block(block) => {
+        let stride = 1 + self.block_count() as u32 / SAMPLE;
+        let (mut inflated, mut count) = (0, 0);
+        for (boxed, child) in children {
+            let Child::Block(block) = child else { continue };
+            if block % stride == 0 {
                 let [lower, upper] = boxed.dilated(BOX_MARGIN);
                 let [x, y, z] = [0, 1, 2].map(|k| upper[k] - lower[k]);
-                x * y + y * z + z * x > MOST_INFLATION * blocks[block as usize].area()
+                inflated += u32::from(x * y + y * z + z * x > MOST_INFLATION * around(block).area());
+                count += 1;
             }
-            _ => false,
-        };
-        let inflated = children.filter(|child| is_inflated(*child)).count();
-        inflated as f32 > WIDE_SHARE * blocks.len() as f32
+        }
+        inflated as f32 > WIDE_SHARE * count as f32
     }
 }
 

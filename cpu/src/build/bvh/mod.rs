@@ -70,6 +70,12 @@ impl Hierarchy {
         self.starts.len() - 1
     }
 
+    /// The triangles of a block.
+    fn block(&self, number: u32) -> &[u32] {
+        let end = |at: u32| self.starts[at as usize] as usize;
+        &self.triangles[end(number)..end(number + 1)]
+    }
+
     /// The triangles of all blocks.
     pub(crate) fn blocks(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).map(|ends| &self.triangles[ends[0] as usize..ends[1] as usize])

@@ -59,8 +59,9 @@ struct Binning {
 impl Binning {
     #[inline]
     fn bins_of(&self, item: &Item) -> [usize; 3] {
-        let [x, y, z, _] = ((item.centre() - self.low) * self.scale).fast_trunc_int().to_array();
-        [x, y, z].map(|bin| (bin as usize).min(BINS - 1))
+        let bins = ((item.centre() - self.low) * self.scale).fast_min(f32x4::splat((BINS - 1) as f32));
+        let [x, y, z, _] = bins.fast_trunc_int().to_array();
+        [x, y, z].map(|bin| bin as usize % BINS)
     }
 }
 
@@ -87,8 +88,31 @@ pub(super) fn by_area(Part { bounds: all, items }: Part<'_>) -> [Part<'_>; 2] {
             bins[at] = bins[at].join(Bin { bounds: item.bounds(), count: 1 });
         }
     }
-    let mut best = (f32::INFINITY, 0, 0);
-    for (k, bins) in bins.iter().enumerate().filter(|(k, _)| extent[*k] > 0.0) {
+    let Some((k, plane)) = best_plane(&bins) else {
+        // All in one place.
+        return halves(items);
+    };
+    let whole = whole_blocks(items.len(), bins[k][..plane].iter().map(|bin| bin.count as usize).sum());
+    if let Some(whole) = whole.filter(|_| items.len() <= FILLED) {
+        return at(items, k, whole);
+    }
+    let mut first = 0;
+    for at in 0..items.len() {
+        // Above the plane, it changes places with another one above.
+        let is_below = binning.bins_of(&items[at])[k] < plane;
+        items.swap(first, at);
+        first += usize::from(is_below);
+    }
+    let (below, above) = bins[k].split_at(plane);
+    let bounds = [below, above].map(|bins| Bin::all(bins).bounds);
+    let (left, right) = items.split_at_mut(first);
+    [Part { bounds: bounds[0], items: left }, Part { bounds: bounds[1], items: right }]
+}
+
+/// The axis and the first bin behind the plane that parts what lies in some bins at the least cost; `None` where all lies in one.
+fn best_plane(bins: &[[Bin; BINS]; 3]) -> Option<(usize, usize)> {
+    let mut best = (f32::INFINITY, None);
+    for (k, bins) in bins.iter().enumerate() {
         // A plane behind an empty bin parts the triangles as the one before does.
         let is_new = |plane: usize| bins[plane - 1].count > 0;
         let mut costs_above = [f32::INFINITY; BINS];
@@ -104,30 +128,11 @@ pub(super) fn by_area(Part { bounds: all, items }: Part<'_>) -> [Part<'_>; 2] {
             below = below.join(bins[plane - 1]);
             let cost = below.cost() + costs_above[plane];
             if cost < best.0 {
-                best = (cost, k, plane);
+                best = (cost, Some((k, plane)));
             }
         }
     }
-    let (cost, k, plane) = best;
-    if cost == f32::INFINITY {
-        // All in one place.
-        return halves(items);
-    }
-    let whole = whole_blocks(items.len(), bins[k][..plane].iter().map(|bin| bin.count as usize).sum());
-    if let Some(whole) = whole.filter(|_| items.len() <= FILLED) {
-        return at(items, k, whole);
-    }
-    let mut first = 0;
-    for at in 0..items.len() {
-        if binning.bins_of(&items[at])[k] < plane {
-            items.swap(first, at);
-            first += 1;
-        }
-    }
-    let (below, above) = bins[k].split_at(plane);
-    let bounds = [below, above].map(|bins| Bin::all(bins).bounds);
-    let (left, right) = items.split_at_mut(first);
-    [Part { bounds: bounds[0], items: left }, Part { bounds: bounds[1], items: right }]
+    best.1
 }
 
 /// The box around all centres, and the longest edges of the triangles' boxes.

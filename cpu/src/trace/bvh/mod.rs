@@ -6,7 +6,7 @@ pub(crate) mod stack;
 use leafwalk_core::canonical::PreparedFrame;
 use leafwalk_core::layout::{Block, BvhNode, Child, Lattice, LatticeBox};
 use leafwalk_core::slabs::Slabs;
-use leafwalk_core::{Indexed, Octree, unroll};
+use leafwalk_core::{Blocks, Indexed, Octree, unroll};
 
 use crate::lanes::Eight;
 
@@ -79,23 +79,30 @@ impl BlockSource for Indexed<'_> {
     }
 }
 
-/// Blocks of a wide octree.
+/// Blocks of a wide octree. Such octrees are few, so the two kinds of blocks share kernels here, which would take a third
+/// longer to compile.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wide<'a, B> {
-    pub(crate) blocks: B,
+pub(crate) struct Wide<'a> {
+    pub(crate) blocks: Blocks<'a>,
     /// One a node.
     pub(crate) lattices: &'a [Lattice],
 }
 
-impl<B: BlockSource> BlockSource for Wide<'_, B> {
+impl BlockSource for Wide<'_> {
     const IS_WIDE: bool = true;
     #[inline(always)]
     fn block<'b>(&'b self, number: usize, room: &'b mut Option<Block>) -> Option<&'b Block> {
-        self.blocks.block(number, room)
+        match &self.blocks {
+            Blocks::Packed(blocks) => blocks.block(number, room),
+            Blocks::Indexed(blocks) => blocks.block(number, room),
+        }
     }
     #[inline(always)]
     fn prefetch<L: Eight>(&self, number: usize) {
-        self.blocks.prefetch::<L>(number);
+        match &self.blocks {
+            Blocks::Packed(blocks) => blocks.prefetch::<L>(number),
+            Blocks::Indexed(blocks) => blocks.prefetch::<L>(number),
+        }
     }
     #[inline(always)]
     fn slabs_of<L: Eight>(&self, node: u32, slabs: &Slabs<L>, origin: [L; 3]) -> Slabs<L> {
@@ -120,11 +127,7 @@ macro_rules! with_blocks {
         match ($octree.blocks(), $octree.lattices()) {
             (leafwalk_core::Blocks::Packed($blocks), []) => $call,
             (leafwalk_core::Blocks::Indexed($blocks), []) => $call,
-            (leafwalk_core::Blocks::Packed(blocks), lattices) => {
-                let $blocks = $crate::trace::bvh::Wide { blocks, lattices };
-                $call
-            }
-            (leafwalk_core::Blocks::Indexed(blocks), lattices) => {
+            (blocks, lattices) => {
                 let $blocks = $crate::trace::bvh::Wide { blocks, lattices };
                 $call
             }
