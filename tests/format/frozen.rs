@@ -1,9 +1,8 @@
 //! Files of version 2 are read, and answer as they once did; those of version 1 are refused by name.
 //!
-//! The files in version_2/ were written from the meshes below, by the builders that stand beside them. Once version 2 is
-//! released they are never written again: a release that builds other octrees still reads these.
+//! The files in version_2/ were written from the meshes below, by the builders that stand beside them. Version 2 is frozen:
+//! they are never written again, and a release that builds other octrees still reads these.
 
-use std::env;
 use std::path::{Path, PathBuf};
 
 use leafwalk::{AlignedBytes, Builder, Hit, Mesh, Octree, Ray, Tracer, hit_hash, verify_against};
@@ -76,16 +75,8 @@ fn a_file_in_the_program_is_read_where_it_lies() {
     assert!(octree.as_words() == load("levels").as_words());
 }
 
-/// Before version 2 is released, this test writes its files anew where the environment variable LEAFWALK_WRITE_VERSION_2 is
-/// set.
 #[test]
 fn files_of_version_2_answer_as_they_did() {
-    if env::var_os("LEAFWALK_WRITE_VERSION_2").is_some() {
-        for Frozen { name, mesh, builder, .. } in all() {
-            let built = builder.build(&mesh).expect("a mesh that builds");
-            leafwalk::save_octree(&built, path(2, name)).expect("a folder that can be written to");
-        }
-    }
     for Frozen { name, mesh, builder, hash } in all() {
         let built = builder.build(&mesh).expect("a mesh that builds");
         let octree = load(name);
