@@ -66,10 +66,6 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     fn from_bits(bits: Self::Bits) -> Self;
     /// Integers below 2^23 as numbers: exact.
     fn from_integers(integers: Self::Bits) -> Self;
-    /// The number of one lane.
-    fn lane(self, lane: usize) -> f32;
-    /// These numbers, but for the one in a lane, which becomes `value`.
-    fn with_lane(self, lane: usize, value: f32) -> Self;
     /// 1 where the mask is true, else 0.
     fn indicator(mask: Self::Mask) -> Self::Bits;
     /// `a < b`.
@@ -181,14 +177,6 @@ impl Lanes for f32 {
     #[inline(always)]
     fn from_integers(integers: u32) -> Self {
         integers as f32
-    }
-    #[inline(always)]
-    fn lane(self, _: usize) -> f32 {
-        self
-    }
-    #[inline(always)]
-    fn with_lane(self, _: usize, value: f32) -> Self {
-        value
     }
     #[inline(always)]
     fn indicator(mask: bool) -> u32 {

@@ -16,6 +16,8 @@ pub trait Policy: Copy {
     const ROUNDS_LIMITS: bool = false;
     /// Hits are ordered by the t that is reported.
     const ORDERS_BY_REPORTED: bool = false;
+    /// Short hits lie where the ray meets the triangle's plane.
+    const MEETS_PLANES: bool = true;
     /// The mesh keeps its margin inside the root; only files that break the contract lack it.
     const KEEPS_MESH_MARGIN: bool = true;
 }

@@ -4,9 +4,9 @@
 //! order for nothing, so the test itself never moves data.
 
 use crate::contract::{SMALLEST, SMALLEST_SHEARED};
-use crate::lanes::{Lanes, Mask};
+use crate::lanes::Lanes;
 use crate::layout::LATTICE;
-use crate::plane::{self, CANCELLATION, PLANE_SLACK};
+use crate::plane::{self, BEHIND, ByWeights, CANCELLATION};
 use crate::ray::CanonicalRay;
 use crate::unroll;
 
@@ -15,11 +15,6 @@ use crate::unroll;
 /// product with one below [`SMALLEST_SHEARED`] is below 4 edges times that, and of two such products the difference below
 /// 8.
 pub const CANDIDATE_SLACK: f32 = 8.0 * LATTICE as f32 * SMALLEST_SHEARED;
-
-/// Tells hits that may lie in front of the origin: a depth, times this, is less than the largest of its terms unless the hit
-/// lies farther behind than [`PLANE_SLACK`] times that term. Such a hit stays behind wherever its plane is met, so it is not
-/// computed anew.
-pub const BEHIND: f32 = -1.0 / PLANE_SLACK;
 
 /// The ray's part of the test: everything that does not depend on the triangle.
 #[derive(Clone, Copy, Debug)]
@@ -96,15 +91,17 @@ pub struct Sheared<L> {
     z: [L; 3],
 }
 
-/// Distance t' and the weights of vertices 1 and 2.
+/// What a ray finds on a triangle.
 #[derive(Clone, Copy, Debug)]
-pub struct Candidate<L> {
-    /// Distance along the canonical ray.
+pub struct Candidate<L: Lanes> {
+    /// Distance t' along the canonical ray.
     pub t: L,
     /// Weight of vertex 1.
     pub u: L,
     /// Weight of vertex 2.
     pub v: L,
+    /// Whether the hit is short, so that the `t` of [`Sheared::hit`] counts.
+    pub is_short: L::Mask,
 }
 
 impl<L: Lanes> Sheared<L> {
@@ -132,12 +129,20 @@ impl<L: Lanes> Sheared<L> {
         not_negative | not_positive
     }
 
-    /// Decides the candidates exactly, for the corners as rounded by the shear, and gives their distance and weights.
+    /// Decides the candidates exactly, for the corners as rounded by the shear, and gives what their weights say; `inverse` is
+    /// that of the ray's direction along the main axis.
     ///
     /// Without the exact finish a needle or a ray in the plane is hit far from the triangle
     /// (docs/contract.md, "Triangle test").
     #[inline(always)]
-    pub fn finish(&self, shear: &Shear<L>, corners: &[[L; 3]; 3]) -> (L::Mask, Candidate<L>) {
+    pub fn finish(&self, inverse: L) -> (L::Mask, Candidate<L>) {
+        let (accepted, hit) = self.weigh();
+        (accepted, Candidate::new(&hit, inverse))
+    }
+
+    /// Which lanes hold a hit, and what its weights say.
+    #[inline(always)]
+    fn weigh(&self) -> (L::Mask, ByWeights<L>) {
         let [ax, bx, cx] = unroll!(c in 0..3 => self.x[c].flush(SMALLEST_SHEARED));
         let [ay, by, cy] = unroll!(c in 0..3 => self.y[c].flush(SMALLEST_SHEARED));
         let u = difference_of_products(cx, by, cy, bx);
@@ -149,27 +154,33 @@ impl<L: Lanes> Sheared<L> {
         let accepted = (negative | positive) & !(negative & positive);
 
         let area = (u + v) + w;
-        let (v, w) = (v / area, w / area);
+        let weights @ [v, w] = [v / area, w / area];
         let [az, bz, cz] = self.z;
         let towards_b = v * (bz - az);
         let depth = az + (towards_b + w * (cz - az));
-        let mut t = depth * shear.slope[2];
-        let largest = az.abs().max(towards_b.abs());
-        let is_short = (t * L::splat(CANCELLATION)).less(largest) & (t * L::splat(BEHIND)).less(largest);
-        let mut short = (is_short & accepted).to_bits();
-        while short != 0 {
-            let lane = short.trailing_zeros() as usize;
-            short &= short - 1;
-            let shear = Shear {
-                origin: unroll!(k in 0..3 => shear.origin[k].lane(lane)),
-                slope: unroll!(k in 0..3 => shear.slope[k].lane(lane)),
-            };
-            let corners = unroll!(c in 0..3 => unroll!(k in 0..3 => corners[c][k].lane(lane)));
-            let weights = [v.lane(lane), w.lane(lane)];
-            let (area, by_weights, largest) = (area.lane(lane), depth.lane(lane), largest.lane(lane));
-            t = t.with_lane(lane, plane::met(&shear, &corners, weights, area, by_weights, largest) * shear.slope[2]);
+        (accepted, ByWeights { weights, area, depth, largest: az.abs().max(towards_b.abs()) })
+    }
+}
+
+impl<L: Lanes<Mask = bool>> Sheared<L> {
+    /// The hit of one ray on one triangle, a candidate, short hits included.
+    #[inline(always)]
+    pub fn hit(&self, shear: &Shear<L>, corners: &[[L; 3]; 3]) -> Option<Candidate<L>> {
+        let (accepted, hit) = self.weigh();
+        let mut found = Candidate::new(&hit, shear.slope[2]);
+        if accepted & found.is_short {
+            found.t = (plane::met(shear, corners, &hit) * shear.slope[2]).flush(SMALLEST);
         }
-        (accepted, Candidate { t: t.flush(SMALLEST), u: v.flush(SMALLEST), v: w.flush(SMALLEST) })
+        accepted.then_some(found)
+    }
+}
+
+impl<L: Lanes> Candidate<L> {
+    #[inline(always)]
+    fn new(hit: &ByWeights<L>, inverse: L) -> Self {
+        let ([u, v], t) = (hit.weights, hit.depth * inverse);
+        let is_short = (t * L::splat(CANCELLATION)).less(hit.largest) & (t * L::splat(BEHIND)).less(hit.largest);
+        Self { t: t.flush(SMALLEST), u: u.flush(SMALLEST), v: v.flush(SMALLEST), is_short }
     }
 }
 
@@ -180,15 +191,9 @@ fn difference_of_products<L: Lanes>(a: L, b: L, c: L, d: L) -> L {
     (p - q) + (a.product_error(b, p) - c.product_error(d, q))
 }
 
-/// Permuted corners in, a hit out: the whole test, for callers without a candidate stage of their own.
+/// Permuted corners in, a hit out: the whole test of one ray and one triangle.
 #[inline(always)]
-pub fn intersect<L: Lanes>(shear: &Shear<L>, corners: [[L; 3]; 3]) -> (L::Mask, Candidate<L>) {
-    let sheared = Sheared::new(shear, corners);
-    let candidates = sheared.is_candidate();
-    if !candidates.any() {
-        let zero = L::splat(0.0);
-        return (candidates, Candidate { t: zero, u: zero, v: zero });
-    }
-    let (accepted, found) = sheared.finish(shear, &corners);
-    (accepted & candidates, found)
+pub fn intersect<L: Lanes<Mask = bool>>(shear: &Shear<L>, corners: &[[L; 3]; 3]) -> Option<Candidate<L>> {
+    let sheared = Sheared::new(shear, *corners);
+    if sheared.is_candidate() { sheared.hit(shear, corners) } else { None }
 }

@@ -68,8 +68,8 @@ impl BruteForce {
     fn hits<'a>(&'a self, ray: &'a CanonicalRay) -> impl Iterator<Item = (u32, f32, f32, f32)> + 'a {
         let (shear, axes) = Shear::<f32>::new(ray);
         self.triangles.iter().filter_map(move |Triangle { primitive, corners }| {
-            let (accepted, found) = intersect(&shear, unroll!(c in 0..3 => unroll!(k in 0..3 => corners[c][axes[k]])));
-            (accepted && found.t > ray.t_min).then_some((*primitive, found.t, found.u, found.v))
+            let found = intersect(&shear, &unroll!(c in 0..3 => unroll!(k in 0..3 => corners[c][axes[k]])))?;
+            (found.t > ray.t_min).then_some((*primitive, found.t, found.u, found.v))
         })
     }
 }

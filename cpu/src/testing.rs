@@ -5,7 +5,6 @@
 
 use leafwalk_core::canonical::PreparedFrame;
 use leafwalk_core::layout::{Block, BvhNode, Triangle};
-use leafwalk_core::triangle::Shear;
 use leafwalk_core::{CanonicalRay, Frame, Nearest, Ray};
 
 use crate::lanes::{Eight, Kernel, Registers};
@@ -154,9 +153,8 @@ impl Kernel for Triangles<'_> {
     #[inline(always)]
     fn run<L: Eight>(self) -> Nearest {
         let Probe { shear, axes, mut nearest, .. } = Probe::<L>::new(self.ray);
-        let shear = Shear::<L>::splat(&shear);
         for block in self.blocks {
-            test_block(block, &shear, axes, &mut nearest);
+            test_block::<L>(block, &shear, axes, &mut nearest);
         }
         nearest
     }

@@ -133,12 +133,6 @@ impl<A: Arithmetic> Lanes for Number<A> {
     fn from_integers(integers: u32) -> Self {
         Self::of(integers as f32)
     }
-    fn lane(self, _: usize) -> f32 {
-        self.value
-    }
-    fn with_lane(self, _: usize, value: f32) -> Self {
-        Self::of(value)
-    }
     fn indicator(mask: bool) -> u32 {
         u32::from(mask)
     }

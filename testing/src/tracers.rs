@@ -153,10 +153,10 @@ fn hits<L: ScalarLanes>(ray: &CanonicalRay, triangles: impl Iterator<Item = Tria
     let number = |x: L| f32::from_bits(x.bits());
     let (shear, axes) = Shear::<L>::new(ray);
     triangles.filter_map(move |Triangle { primitive, corners }| {
-        let (accepted, found) = intersect(&shear, corners.map(|corner| axes.map(|axis| L::splat(corner[axis]))));
+        let found = intersect(&shear, &corners.map(|corner| axes.map(|axis| L::splat(corner[axis]))))?;
         let t = number(found.t);
         let hit = Hit { t, u: number(found.u), v: number(found.v), primitive };
-        (accepted && ray.t_min < t && t < ray.t_max).then_some(hit)
+        (ray.t_min < t && t < ray.t_max).then_some(hit)
     })
 }
 

@@ -55,8 +55,8 @@ fn hits(frame: &Frame, corners: &[[f32; 3]; 3], ray: &Ray) -> bool {
     frame.canonical(ray).is_some_and(|ray| {
         let (shear, axes) = Shear::<f32>::new(&ray);
         let lattice = corners.map(|corner| frame.to_lattice(corner.map(f64::from)));
-        let (accepted, found) = intersect(&shear, lattice.map(|corner| axes.map(|axis| corner[axis])));
-        accepted && ray.t_min < found.t && found.t < ray.t_max
+        let found = intersect(&shear, &lattice.map(|corner| axes.map(|axis| corner[axis])));
+        found.is_some_and(|found| ray.t_min < found.t && found.t < ray.t_max)
     })
 }
 

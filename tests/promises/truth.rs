@@ -14,6 +14,7 @@ use leafwalk_testing::truth::{Distance, Excess, Oracle, Slack, Verdict};
 use leafwalk_testing::utm::{self, Utm};
 use leafwalk_testing::{meshes, rays, wide, workloads};
 
+use crate::geometry::{corners, point};
 use crate::same_answer::Source;
 use crate::scenes;
 
@@ -109,6 +110,38 @@ fn check(name: &str, octree: &Octree<Vec<u32>>, oracle: &Oracle, source: Source<
 
 fn build(mesh: &Mesh) -> Octree<Vec<u32>> {
     Builder::new().build(mesh).expect("a mesh that builds")
+}
+
+/// Rays that start 2^-20 to 2^-8 edges above a triangle of a mesh, lead to it at 45 degrees or more, and are answered with
+/// another t than the truth.
+pub(crate) fn near_faults(tracer: Any<'_>, mesh: &Mesh, oracle: &Oracle, count: u64, seed: u64) -> Tally {
+    tally(count, |indices, tally| {
+        for index in indices {
+            let random = &mut Random::new(seed, index);
+            let [a, b, c] = corners(mesh, random.below(mesh.triangles.len()));
+            let normal = (b - a).cross(c - a).normalize();
+            let at = a.lerp(b.lerp(c, 0.5), f64::from(0.25 + 0.5 * random.unit()));
+            let beside = point(random.direction()).reject_from(normal).normalize_or_zero();
+            let direction = f64::from(random.unit()) * beside - normal;
+            let away = (b - a).length() * (-8.0 - 12.0 * f64::from(random.unit())).exp2();
+            let ray = Ray::new((at - away * direction).as_vec3().to_array(), direction.as_vec3().to_array());
+            let mut hits = [Hit::MISS];
+            tracer.closest_hits(&[ray], &mut hits).expect("equal lengths");
+            let ([Hit { t, primitive, .. }], truth) = (hits, oracle.closest(&ray));
+            tally.hit(truth.is_some());
+            if oracle.judge(&ray, truth.as_ref(), t, primitive) != Verdict::Right {
+                tally.fault(index, || format!("{hits:?}, in truth {truth:?}\n{}", rays::hex(&ray)));
+            }
+        }
+    })
+}
+
+#[test]
+fn short_hits_of_large_triangles_are_right() {
+    let mesh = meshes::bumpy_sphere(2, 98);
+    let (octree, oracle) = (build(&mesh), Oracle::new(&mesh));
+    let tracer = CpuTracer::new(octree.view());
+    near_faults(&tracer, &mesh, &oracle, scaled(20_000), 98).passes("short hits, truth", 0.9);
 }
 
 /// Rays of the four kinds of the benches.

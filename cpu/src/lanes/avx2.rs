@@ -154,16 +154,6 @@ impl Lanes for Avx2 {
         Self(unsafe { _mm256_cvtepi32_ps(integers.0) })
     }
     #[inline(always)]
-    fn lane(self, lane: usize) -> f32 {
-        self.to_array()[lane & 7]
-    }
-    #[inline(always)]
-    fn with_lane(self, lane: usize, value: f32) -> Self {
-        let mut values = self.to_array();
-        values[lane & 7] = value;
-        Self::load(&values)
-    }
-    #[inline(always)]
     fn indicator(mask: Avx2Mask) -> Avx2Bits {
         Avx2Bits(unsafe { _mm256_srli_epi32::<31>(_mm256_castps_si256(mask.0)) })
     }

@@ -126,16 +126,6 @@ impl Lanes for Portable {
         Self::from_bits(shifted) - Self::splat(MAGIC)
     }
     #[inline(always)]
-    fn lane(self, lane: usize) -> f32 {
-        self.to_array()[lane & 7]
-    }
-    #[inline(always)]
-    fn with_lane(self, lane: usize, value: f32) -> Self {
-        let mut values = self.to_array();
-        values[lane & 7] = value;
-        Self::load(&values)
-    }
-    #[inline(always)]
     fn indicator(mask: PortableMask) -> PortableBits {
         Self(mask.0).bits() & PortableBits::splat(1)
     }

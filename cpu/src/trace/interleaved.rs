@@ -10,7 +10,6 @@
 //! at once.
 
 use leafwalk_core::layout::Block;
-use leafwalk_core::triangle::Shear;
 
 use super::bvh::node::{boxes_hit, test_block};
 use super::bvh::stack::{END, Stack};
@@ -123,7 +122,7 @@ impl<L: Eight> Slot<L> {
             self.stack.push(node, *neg, first, met);
         } else if let Some(block) = bvh.block(self.child, room) {
             let Probe { shear, axes, nearest, .. } = &mut self.probe;
-            test_block(block, &Shear::<L>::splat(shear), *axes, nearest);
+            test_block::<L>(block, shear, *axes, nearest);
             if Q::ANY && nearest.is_hit() {
                 self.child = END;
                 return;

@@ -14,7 +14,6 @@
 use core::cell::RefCell;
 use core::marker::PhantomData;
 
-use leafwalk_core::triangle::Shear;
 use leafwalk_core::{CanonicalRay, Nearest, Ray};
 
 use super::bvh::node::{boxes_hit, test_block};
@@ -43,7 +42,7 @@ pub(crate) fn descend<L: Eight, B: BlockSource, Q: Query>(
                 continue;
             }
         } else if let Some(block) = bvh.block(child, &mut room) {
-            test_block(block, &Shear::<L>::splat(&probe.shear), probe.axes, &mut nearest);
+            test_block::<L>(block, &probe.shear, probe.axes, &mut nearest);
             if Q::ANY && nearest.is_hit() {
                 return nearest;
             }

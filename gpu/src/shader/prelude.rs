@@ -48,7 +48,7 @@ const NUMBERS: [(&str, f32); 14] = [
     ("SMALLEST_SHEARED", contract::SMALLEST_SHEARED),
     ("CANDIDATE_SLACK", triangle::CANDIDATE_SLACK),
     ("CANCELLATION", plane::CANCELLATION),
-    ("BEHIND", triangle::BEHIND),
+    ("BEHIND", plane::BEHIND),
     ("PLANE_SLACK", plane::PLANE_SLACK),
     ("SMALLEST_WEIGHT", plane::SMALLEST_WEIGHT),
     ("SMALLEST_AREA", plane::SMALLEST_AREA),

@@ -1,14 +1,17 @@
-//! The mutant whose vertices are rounded to a lattice across the scene, as a frame would that counts from the scene's
-//! corner.
+//! Mutants of what answers may be off: vertices rounded to a lattice across the scene, as a frame would that counts from the
+//! scene's corner, and short hits that are not met in the plane.
 
 use leafwalk::{Builder, CpuTracer, Mesh};
 use leafwalk_core::contract::ROUNDOFF;
+use leafwalk_core::step::Slab;
+use leafwalk_core::testing::{Policy, Standard};
 use leafwalk_testing::random::Random;
 use leafwalk_testing::tally::{Tally, scaled};
+use leafwalk_testing::tracers::Stepping;
 use leafwalk_testing::truth::{Oracle, Slack};
 use leafwalk_testing::{meshes, rays, utm, wide};
 
-use crate::truth::{faults, utm_faults};
+use crate::truth::{faults, near_faults, utm_faults};
 
 /// Vertices at whole roundoffs of the root's edge.
 fn rounded(mesh: &Mesh) -> Mesh {
@@ -58,4 +61,21 @@ fn vertices_of_f64_rounded_across_the_scene() {
     let positions = scene.mesh.positions.iter().map(|p| p.map(|c| (c / step).round() * step)).collect();
     let rounded = Mesh { positions, ..scene.mesh.clone() };
     utm_faults(&scene, &rounded).0.catches("vertices of f64 rounded across the scene");
+}
+
+#[derive(Clone, Copy)]
+struct ByWeights;
+impl Policy for ByWeights {
+    const MEETS_PLANES: bool = false;
+}
+
+#[test]
+fn short_hits_by_weights() {
+    let mesh = meshes::bumpy_sphere(2, 98);
+    let (octree, oracle) = (Builder::new().build(&mesh).expect("a mesh that builds"), Oracle::new(&mesh));
+    let parts = octree.parts();
+    let sound = Stepping::<Slab, Standard>::new(&parts);
+    near_faults(&sound, &mesh, &oracle, scaled(4000), 98).passes("short hits of the walk, truth", 0.9);
+    let by_weights = Stepping::<Slab, ByWeights>::new(&parts);
+    near_faults(&by_weights, &mesh, &oracle, scaled(4000), 98).catches("short hits by the weights of their corners");
 }

@@ -3,7 +3,7 @@
 use leafwalk_core::lanes::{Bits as _, Mask as _};
 use leafwalk_core::layout::{Block, BvhNode, NONE};
 use leafwalk_core::slabs::Slabs;
-use leafwalk_core::triangle::{Shear, Sheared};
+use leafwalk_core::triangle::{Candidate, Shear, Sheared, intersect};
 use leafwalk_core::{Nearest, unroll};
 
 use crate::lanes::Eight;
@@ -85,22 +85,49 @@ pub(crate) fn clip_boxes<L: Eight>(
 
 /// Tests the eight triangles of a block against a ray, and keeps the nearest hit.
 #[inline(always)]
-pub(crate) fn test_block<L: Eight>(block: &Block, shear: &Shear<L>, axes: [usize; 3], nearest: &mut Nearest) {
+pub(crate) fn test_block<L: Eight>(block: &Block, shear: &Shear<f32>, axes: [usize; 3], nearest: &mut Nearest) {
     let corners = unroll!(corner in 0..3 => unroll!(k in 0..3 => L::load(&block.vertices[corner][axes[k]])));
-    let sheared = Sheared::new(shear, corners);
+    let shears = Shear::<L>::splat(shear);
+    let sheared = Sheared::new(&shears, corners);
     let candidates = sheared.is_candidate();
     if !candidates.any() {
         return;
     }
-    let (accepted, found) = sheared.finish(shear, &corners);
-    let is_between = L::splat(nearest.t_min).less(found.t) & found.t.at_most(L::splat(nearest.t));
+    let (accepted, found) = sheared.finish(shears.slope[2]);
     // Vacant lanes are hit as often as the lane that they repeat.
     let is_taken = L::below(load_integers::<L>(&block.primitives), L::Bits::splat(NONE));
-    let mut accepted = (accepted & candidates & is_between & is_taken).to_bits();
-    let (t, u, v) = (found.t.to_array(), found.u.to_array(), found.v.to_array());
+    let accepted = accepted & candidates & is_taken;
+    let shear = *shear;
+    let t = distances(accepted, &found, move |lane| (shear, block.permuted(lane, axes)));
+    let is_between = L::splat(nearest.t_min).less(t) & t.at_most(L::splat(nearest.t));
+    let mut accepted = (accepted & is_between).to_bits();
+    let (t, u, v) = (t.to_array(), found.u.to_array(), found.v.to_array());
     while accepted != 0 {
         let lane = accepted.trailing_zeros() as usize;
         accepted &= accepted - 1;
         nearest.offer(true, t[lane], u[lane], v[lane], block.primitives[lane]);
     }
+}
+
+/// The t' of hits, given the ray and the triangle of a lane for those that are short.
+#[inline(always)]
+pub(crate) fn distances<L: Eight>(accepted: L::Mask, found: &Candidate<L>, of_lane: impl Fn(usize) -> Pair) -> L {
+    let short = (accepted & found.is_short).to_bits();
+    if short == 0 { found.t } else { L::load(&met(found.t.to_array(), short, of_lane)) }
+}
+
+/// A ray and the corners of a triangle.
+type Pair = (Shear<f32>, [[f32; 3]; 3]);
+
+/// Computes some t' anew, one by one.
+#[cold]
+#[inline(never)]
+fn met(mut t: [f32; 8], mut short: u32, of_lane: impl Fn(usize) -> Pair) -> [f32; 8] {
+    while short != 0 {
+        let lane = short.trailing_zeros() as usize & 7;
+        short &= short - 1;
+        let (shear, corners) = of_lane(lane);
+        t[lane] = intersect(&shear, &corners).map_or(t[lane], |found| found.t);
+    }
+    t
 }

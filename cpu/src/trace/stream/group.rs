@@ -160,8 +160,8 @@ impl Group {
             return;
         }
         let mut nearest = ray.nearest();
-        let shear = Shear::<L>::splat(&Shear { origin: [x, y, z], slope: [a, b, c] });
-        test_block(block, &shear, PERMUTATIONS[ray.main_axis as usize % 3], &mut nearest);
+        let shear = Shear { origin: [x, y, z], slope: [a, b, c] };
+        test_block::<L>(block, &shear, PERMUTATIONS[ray.main_axis as usize % 3], &mut nearest);
         (ray.t, ray.u, ray.v, ray.primitive) = (nearest.t, nearest.u, nearest.v, nearest.primitive);
         if Q::ANY && nearest.is_hit() {
             // No box is entered before it, so the ray is dropped from here on.

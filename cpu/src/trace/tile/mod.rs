@@ -24,7 +24,7 @@ use leafwalk_core::layout::{BLOCK_WIDTH, Block, BvhNode, NONE};
 use leafwalk_core::triangle::{PERMUTATIONS, Shear, Sheared};
 use leafwalk_core::unroll;
 
-use super::bvh::node::test_block;
+use super::bvh::node::{distances, test_block};
 use super::bvh::stack::{END, TileStack, in_order};
 use super::bvh::{BlockSource, Bvh, ROOT};
 use super::packet::{PACKETS, Packet};
@@ -262,15 +262,11 @@ impl<'a, L: Eight> Tile<'a, L> {
             let ray = rays.trailing_zeros() as usize;
             rays &= rays - 1;
             let (packet, lane) = (ray / 8 % PACKETS, ray % 8);
-            let ray = &self.packets[packet];
-            let shear = Shear {
-                origin: unroll!(k in 0..3 => L::splat(ray.origin[k][lane])),
-                slope: unroll!(k in 0..3 => L::splat(ray.slope[k][lane])),
-            };
+            let (shear, _) = self.packets[packet].shear_of(lane);
             let mut nearest = self.hits.ray(packet, lane);
             let before = nearest.primitive;
             self.tests += 1;
-            test_block(block, &shear, self.axes, &mut nearest);
+            test_block::<L>(block, &shear, self.axes, &mut nearest);
             if nearest.primitive != before {
                 if Q::ANY {
                     nearest.finish();
@@ -292,9 +288,8 @@ impl<'a, L: Eight> Tile<'a, L> {
         while triangles != 0 {
             let lane = triangles.trailing_zeros() as usize % BLOCK_WIDTH;
             triangles &= triangles - 1;
-            let primitive = block.primitives[lane];
             // A vacant lane repeats the first triangle.
-            if primitive == NONE {
+            if block.primitives[lane] == NONE {
                 continue;
             }
             self.tests += 1;
@@ -304,7 +299,7 @@ impl<'a, L: Eight> Tile<'a, L> {
             while packets != 0 {
                 let packet = packets.trailing_zeros() as usize % PACKETS;
                 packets &= packets - 1;
-                is_hit |= self.test_packet::<Q>(packet, triangle, primitive);
+                is_hit |= self.test_packet::<Q>(packet, triangle, block, lane);
             }
         }
         if is_hit {
@@ -314,7 +309,7 @@ impl<'a, L: Eight> Tile<'a, L> {
 
     /// Tests one triangle against eight rays.
     #[inline(always)]
-    fn test_packet<Q: Query>(&mut self, packet: usize, triangle: [[L; 3]; 3], primitive: u32) -> bool {
+    fn test_packet<Q: Query>(&mut self, packet: usize, triangle: [[L; 3]; 3], block: &Block, lane: usize) -> bool {
         let rays = &self.packets[packet];
         let shear = Shear {
             origin: unroll!(k in 0..3 => L::load(&rays.origin[k])),
@@ -325,10 +320,12 @@ impl<'a, L: Eight> Tile<'a, L> {
         if !candidates.any() {
             return false;
         }
-        let (accepted, found) = sheared.finish(&shear, &triangle);
+        let (accepted, found) = sheared.finish(shear.slope[2]);
         let accepted = accepted & candidates;
+        let axes = self.axes;
+        let t = distances(accepted, &found, move |ray| (rays.shear_of(ray).0, block.permuted(lane, axes)));
         let mut nearest = self.hits.packet::<L>(packet);
-        nearest.offer(accepted, found.t, found.u, found.v, L::Bits::splat(primitive));
+        nearest.offer(accepted, t, found.u, found.v, L::Bits::splat(block.primitives[lane]));
         if Q::ANY {
             nearest.finish();
         }

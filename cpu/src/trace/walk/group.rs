@@ -4,7 +4,6 @@ use leafwalk_core::contract::PADDING;
 use leafwalk_core::lanes::{Bits as _, Mask as _};
 use leafwalk_core::layout::{Block, Child, LINK_NONE, NONE};
 use leafwalk_core::step::{Cell, Slab, Step as _, cross, link_kind, neighbour};
-use leafwalk_core::triangle::Shear;
 use leafwalk_core::{Nearest, Parts, unroll};
 
 use super::{Pending, Visit};
@@ -178,7 +177,7 @@ impl Group {
         let Some(block) = blocks.block(block as usize, room) else { return };
         let mut nearest = self.nearest(lane);
         let (shear, axes) = self.rays.shear_of(lane);
-        test_block(block, &Shear::<L>::splat(&shear), axes, &mut nearest);
+        test_block::<L>(block, &shear, axes, &mut nearest);
         if Q::ANY {
             nearest.finish();
         }
