@@ -39,6 +39,8 @@ pub(crate) struct ByWeights<L> {
     pub(crate) depth: L,
     /// The larger of the first two terms that the depth is the sum of.
     pub(crate) largest: L,
+    /// The largest depth of a corner, to either side.
+    pub(crate) farthest: L,
 }
 
 /// The depth of the point where a ray meets the plane of a triangle, but no farther than [`PLANE_SLACK`] from the one that the
@@ -57,8 +59,7 @@ pub(crate) fn met<L: Lanes<Mask = bool>>(shear: &Shear<L>, corners: &[[L; 3]; 3]
     let normal_y = (z.ac * x.ab - x.ac * z.ab).flush(SMALLEST_AREA);
     let to_ray = ((normal_x * beside_x + normal_y * beside_y) / hit.area).flush(SMALLEST_SHEARED);
     let met = depth[0] + (depth[1] + to_ray);
-    let [a, b, c]: [L; 3] = unroll!(corner in 0..3 => (corners[corner][2] - shear.origin[2]).abs());
-    let slack = a.max(b).max(c) * L::splat(PLANE_SLACK);
+    let slack = hit.farthest * L::splat(PLANE_SLACK);
     met.min(hit.depth + slack).max(hit.depth - slack)
 }
 

@@ -13,6 +13,7 @@ use crate::slabs::Slabs;
 use crate::start::Span;
 use crate::step::{Cell, Line, Slab, Step, cross, link_kind, neighbour};
 use crate::triangle::{Candidate, Shear, Sheared};
+use crate::unroll;
 
 /// The work of one ray's walk through an octree, for charts and heat maps. It belongs to the walk: a tracer that goes
 /// another way does other work for the same answer.
@@ -374,7 +375,7 @@ impl Search<'_> {
         }
         for (lane, is_candidate) in candidates.into_iter().enumerate() {
             if is_candidate {
-                let corners = block.permuted(lane, axes);
+                let corners = corners(block, axes, lane);
                 let sheared = Sheared::new(shear, corners);
                 let found = if P::MEETS_PLANES {
                     sheared.hit(shear, &corners)
@@ -411,7 +412,13 @@ fn candidates(block: &Block, shear: &Shear<f32>, axes: [usize; 3]) -> [bool; BLO
     for (lane, is_candidate) in candidates.iter_mut().enumerate() {
         // A vacant lane would be finished as often as the lane that it repeats.
         *is_candidate =
-            Sheared::new(shear, block.permuted(lane, axes)).is_candidate() & (block.primitives[lane] != NONE);
+            Sheared::new(shear, corners(block, axes, lane)).is_candidate() & (block.primitives[lane] != NONE);
     }
     candidates
+}
+
+/// A lane's corners, with the axes in the order of a ray's shear.
+#[inline(always)]
+fn corners(block: &Block, axes: [usize; 3], lane: usize) -> [[f32; 3]; 3] {
+    unroll!(corner in 0..3 => unroll!(k in 0..3 => block.vertices[corner][axes[k]][lane]))
 }

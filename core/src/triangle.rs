@@ -6,7 +6,7 @@
 use crate::contract::{SMALLEST, SMALLEST_SHEARED};
 use crate::lanes::Lanes;
 use crate::layout::LATTICE;
-use crate::plane::{self, BEHIND, ByWeights, CANCELLATION};
+use crate::plane::{self, BEHIND, ByWeights, CANCELLATION, PLANE_SLACK};
 use crate::ray::CanonicalRay;
 use crate::unroll;
 
@@ -102,6 +102,8 @@ pub struct Candidate<L: Lanes> {
     pub v: L,
     /// Whether the hit is short, so that the `t` of [`Sheared::hit`] counts.
     pub is_short: L::Mask,
+    /// How far that may lie from `t`: twice [`PLANE_SLACK`], for rounding.
+    slack: L,
 }
 
 impl<L: Lanes> Sheared<L> {
@@ -158,7 +160,9 @@ impl<L: Lanes> Sheared<L> {
         let [az, bz, cz] = self.z;
         let towards_b = v * (bz - az);
         let depth = az + (towards_b + w * (cz - az));
-        (accepted, ByWeights { weights, area, depth, largest: az.abs().max(towards_b.abs()) })
+        let largest = az.abs().max(towards_b.abs());
+        let farthest = az.abs().max(bz.abs()).max(cz.abs());
+        (accepted, ByWeights { weights, area, depth, largest, farthest })
     }
 }
 
@@ -180,7 +184,20 @@ impl<L: Lanes> Candidate<L> {
     fn new(hit: &ByWeights<L>, inverse: L) -> Self {
         let ([u, v], t) = (hit.weights, hit.depth * inverse);
         let is_short = (t * L::splat(CANCELLATION)).less(hit.largest) & (t * L::splat(BEHIND)).less(hit.largest);
-        Self { t: t.flush(SMALLEST), u: u.flush(SMALLEST), v: v.flush(SMALLEST), is_short }
+        let slack = hit.farthest * L::splat(2.0 * PLANE_SLACK);
+        Self { t: t.flush(SMALLEST), u: u.flush(SMALLEST), v: v.flush(SMALLEST), is_short, slack }
+    }
+
+    /// Whether a short hit may be between limits, so far as `t` tells.
+    #[inline(always)]
+    pub fn may_be_between(&self, t_min: L, t_max: L) -> L::Mask {
+        t_min.less(self.t + self.slack) & (self.t - self.slack).at_most(t_max)
+    }
+
+    /// Whether a short hit is between limits, so far as `t` tells.
+    #[inline(always)]
+    pub fn is_surely_between(&self, t_min: L, t_max: L) -> L::Mask {
+        t_min.less(self.t - self.slack) & (self.t + self.slack).less(t_max)
     }
 }
 

@@ -12,6 +12,7 @@ use crate::trace::Way;
 use crate::trace::bvh::node::{boxes_hit, test_block};
 use crate::trace::packet::Packet;
 use crate::trace::probe::Probe;
+use crate::trace::query::ClosestHit;
 use crate::{BruteForce, Builder, CpuTracer};
 
 pub use crate::build::Spoiled;
@@ -154,7 +155,7 @@ impl Kernel for Triangles<'_> {
     fn run<L: Eight>(self) -> Nearest {
         let Probe { shear, axes, mut nearest, .. } = Probe::<L>::new(self.ray);
         for block in self.blocks {
-            test_block::<L>(block, &shear, axes, &mut nearest);
+            test_block::<L, ClosestHit>(block, (shear, axes), move || (shear, axes), &mut nearest);
         }
         nearest
     }

@@ -1,7 +1,6 @@
 //! `Block`: eight triangles, and how a compact octree names their corners.
 
 use super::NONE;
-use crate::unroll;
 
 /// Triangles of a block.
 pub const BLOCK_WIDTH: usize = 8;
@@ -44,12 +43,6 @@ impl Block {
     /// The three corners of a lane.
     pub fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
         self.vertices.map(|corner| corner.map(|axis| axis[lane]))
-    }
-
-    /// The three corners of a lane, with the axes in the order of a ray's shear.
-    #[inline(always)]
-    pub fn permuted(&self, lane: usize, axes: [usize; 3]) -> [[f32; 3]; 3] {
-        unroll!(corner in 0..3 => unroll!(k in 0..3 => self.vertices[corner][axes[k]][lane]))
     }
 }
 

@@ -122,7 +122,8 @@ impl<L: Eight> Slot<L> {
             self.stack.push(node, *neg, first, met);
         } else if let Some(block) = bvh.block(self.child, room) {
             let Probe { shear, axes, nearest, .. } = &mut self.probe;
-            test_block::<L>(block, shear, *axes, nearest);
+            let (shear, axes) = (&*shear, &*axes);
+            test_block::<L, Q>(block, (*shear, *axes), move || (*shear, *axes), nearest);
             if Q::ANY && nearest.is_hit() {
                 self.child = END;
                 return;

@@ -30,7 +30,7 @@ pub(crate) fn descend<L: Eight, B: BlockSource, Q: Query>(
     probe: &Probe<L>,
     stack: &mut Stack,
 ) -> Nearest {
-    let Probe { slabs, origin, order, neg, mut nearest, .. } = *probe;
+    let Probe { slabs, origin, order, neg, shear, axes, mut nearest, .. } = *probe;
     stack.clear();
     let mut child = ROOT;
     let mut room = None;
@@ -42,7 +42,7 @@ pub(crate) fn descend<L: Eight, B: BlockSource, Q: Query>(
                 continue;
             }
         } else if let Some(block) = bvh.block(child, &mut room) {
-            test_block::<L>(block, &probe.shear, probe.axes, &mut nearest);
+            test_block::<L, Q>(block, (shear, axes), move || (shear, axes), &mut nearest);
             if Q::ANY && nearest.is_hit() {
                 return nearest;
             }

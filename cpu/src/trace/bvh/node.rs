@@ -1,13 +1,14 @@
 //! The eight boxes of a BVH node, and the eight triangles of a block, against rays.
 
 use leafwalk_core::lanes::{Bits as _, Mask as _};
-use leafwalk_core::layout::{Block, BvhNode, NONE};
+use leafwalk_core::layout::{BLOCK_WIDTH, Block, BvhNode, NONE};
 use leafwalk_core::slabs::Slabs;
 use leafwalk_core::triangle::{Candidate, Shear, Sheared, intersect};
 use leafwalk_core::{Nearest, unroll};
 
 use crate::lanes::Eight;
 use crate::trace::packet::load_integers;
+use crate::trace::query::Query;
 
 /// Boxes as rays of one octant meet them, one a lane.
 ///
@@ -83,23 +84,29 @@ pub(crate) fn clip_boxes<L: Eight>(
     slabs.clip(lower, upper, L::splat(first), L::splat(last))
 }
 
-/// Tests the eight triangles of a block against a ray, and keeps the nearest hit.
+/// Tests the eight triangles of a block against a ray, and keeps the nearest hit. The ray is asked for again where a hit is
+/// short, instead of being held in registers until then.
 #[inline(always)]
-pub(crate) fn test_block<L: Eight>(block: &Block, shear: &Shear<f32>, axes: [usize; 3], nearest: &mut Nearest) {
+pub(crate) fn test_block<L: Eight, Q: Query>(
+    block: &Block,
+    (shear, axes): ShearedRay,
+    again: impl Fn() -> ShearedRay,
+    nearest: &mut Nearest,
+) {
+    let shear = Shear::<L>::splat(&shear);
     let corners = unroll!(corner in 0..3 => unroll!(k in 0..3 => L::load(&block.vertices[corner][axes[k]])));
-    let shears = Shear::<L>::splat(shear);
-    let sheared = Sheared::new(&shears, corners);
+    let sheared = Sheared::new(&shear, corners);
     let candidates = sheared.is_candidate();
     if !candidates.any() {
         return;
     }
-    let (accepted, found) = sheared.finish(shears.slope[2]);
+    let (accepted, found) = sheared.finish(shear.slope[2]);
     // Vacant lanes are hit as often as the lane that they repeat.
     let is_taken = L::below(load_integers::<L>(&block.primitives), L::Bits::splat(NONE));
     let accepted = accepted & candidates & is_taken;
-    let shear = *shear;
-    let t = distances(accepted, &found, move |lane| (shear, block.permuted(lane, axes)));
-    let is_between = L::splat(nearest.t_min).less(t) & t.at_most(L::splat(nearest.t));
+    let limits = [L::splat(nearest.t_min), L::splat(nearest.t)];
+    let t = distances::<L, Q>(accepted, &found, limits, move |lane| (again(), block, lane));
+    let is_between = limits[0].less(t) & t.at_most(limits[1]);
     let mut accepted = (accepted & is_between).to_bits();
     let (t, u, v) = (t.to_array(), found.u.to_array(), found.v.to_array());
     while accepted != 0 {
@@ -109,25 +116,42 @@ pub(crate) fn test_block<L: Eight>(block: &Block, shear: &Shear<f32>, axes: [usi
     }
 }
 
-/// The t' of hits, given the ray and the triangle of a lane for those that are short.
+/// A ray's shear, and the order of its axes.
+pub(crate) type ShearedRay = (Shear<f32>, [usize; 3]);
+
+/// The t' of hits. Short ones are computed anew where they may be within the limits of a ray, and where more is asked than
+/// whether they are; `of_lane` gives the ray, the block and the triangle's place in it.
 #[inline(always)]
-pub(crate) fn distances<L: Eight>(accepted: L::Mask, found: &Candidate<L>, of_lane: impl Fn(usize) -> Pair) -> L {
-    let short = (accepted & found.is_short).to_bits();
-    if short == 0 { found.t } else { L::load(&met(found.t.to_array(), short, of_lane)) }
+pub(crate) fn distances<'a, L: Eight, Q: Query>(
+    accepted: L::Mask,
+    found: &Candidate<L>,
+    [t_min, t_max]: [L; 2],
+    of_lane: impl Fn(usize) -> (ShearedRay, &'a Block, usize),
+) -> L {
+    let short = accepted & found.is_short;
+    if !short.any() {
+        return found.t;
+    }
+    let mut short = short & found.may_be_between(t_min, t_max);
+    if Q::ANY {
+        short = short & !found.is_surely_between(t_min, t_max);
+    }
+    if short.any() { L::load(&met(found.t.to_array(), short.to_bits(), of_lane)) } else { found.t }
 }
 
-/// A ray and the corners of a triangle.
-type Pair = (Shear<f32>, [[f32; 3]; 3]);
-
-/// Computes some t' anew, one by one.
+/// Computes some t' anew, one by one. Nothing in it panics, so compilers see that it changes nothing else.
 #[cold]
 #[inline(never)]
-fn met(mut t: [f32; 8], mut short: u32, of_lane: impl Fn(usize) -> Pair) -> [f32; 8] {
-    while short != 0 {
-        let lane = short.trailing_zeros() as usize & 7;
-        short &= short - 1;
-        let (shear, corners) = of_lane(lane);
-        t[lane] = intersect(&shear, &corners).map_or(t[lane], |found| found.t);
+fn met<'a>(mut t: [f32; 8], mut lanes: u32, of_lane: impl Fn(usize) -> (ShearedRay, &'a Block, usize)) -> [f32; 8] {
+    while lanes != 0 {
+        let lane = lanes.trailing_zeros() as usize % 8;
+        lanes &= lanes - 1;
+        let ((shear, axes), block, triangle) = of_lane(lane);
+        let corners = block.corners(triangle % BLOCK_WIDTH);
+        let corners = unroll!(corner in 0..3 => unroll!(k in 0..3 => corners[corner][axes[k] % 3]));
+        if let Some(found) = intersect(&shear, &corners) {
+            t[lane] = found.t;
+        }
     }
     t
 }

@@ -155,13 +155,17 @@ impl Group {
     /// Tests a block's triangles against a ray, by its place in the group.
     #[inline(always)]
     pub(crate) fn test<L: Eight, Q: Query>(&mut self, block: &Block, at: usize) {
-        let (ray, [x, y, z, a, b, c, ..]) = (&mut self.rays[at % GROUP], self.shears[at % GROUP]);
+        let (ray, shear) = (&mut self.rays[at % GROUP], &self.shears[at % GROUP]);
         if Q::ANY && ray.primitive != NONE {
             return;
         }
         let mut nearest = ray.nearest();
-        let shear = Shear { origin: [x, y, z], slope: [a, b, c] };
-        test_block::<L>(block, &shear, PERMUTATIONS[ray.main_axis as usize % 3], &mut nearest);
+        let main_axis = ray.main_axis;
+        let sheared = move || {
+            let [x, y, z, a, b, c, ..] = *shear;
+            (Shear { origin: [x, y, z], slope: [a, b, c] }, PERMUTATIONS[main_axis as usize % 3])
+        };
+        test_block::<L, Q>(block, sheared(), sheared, &mut nearest);
         (ray.t, ray.u, ray.v, ray.primitive) = (nearest.t, nearest.u, nearest.v, nearest.primitive);
         if Q::ANY && nearest.is_hit() {
             // No box is entered before it, so the ray is dropped from here on.

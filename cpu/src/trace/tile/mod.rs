@@ -262,11 +262,11 @@ impl<'a, L: Eight> Tile<'a, L> {
             let ray = rays.trailing_zeros() as usize;
             rays &= rays - 1;
             let (packet, lane) = (ray / 8 % PACKETS, ray % 8);
-            let (shear, _) = self.packets[packet].shear_of(lane);
+            let ray = &self.packets[packet];
             let mut nearest = self.hits.ray(packet, lane);
             let before = nearest.primitive;
             self.tests += 1;
-            test_block::<L>(block, &shear, self.axes, &mut nearest);
+            test_block::<L, Q>(block, (ray.shear_of(lane).0, self.axes), move || ray.shear_of(lane % 8), &mut nearest);
             if nearest.primitive != before {
                 if Q::ANY {
                     nearest.finish();
@@ -322,9 +322,10 @@ impl<'a, L: Eight> Tile<'a, L> {
         }
         let (accepted, found) = sheared.finish(shear.slope[2]);
         let accepted = accepted & candidates;
-        let axes = self.axes;
-        let t = distances(accepted, &found, move |ray| (rays.shear_of(ray).0, block.permuted(lane, axes)));
         let mut nearest = self.hits.packet::<L>(packet);
+        let t = distances::<L, Q>(accepted, &found, [nearest.t_min, nearest.t], move |ray| {
+            (rays.shear_of(ray % 8), block, lane)
+        });
         nearest.offer(accepted, t, found.u, found.v, L::Bits::splat(block.primitives[lane]));
         if Q::ANY {
             nearest.finish();

@@ -176,8 +176,8 @@ impl Group {
         }
         let Some(block) = blocks.block(block as usize, room) else { return };
         let mut nearest = self.nearest(lane);
-        let (shear, axes) = self.rays.shear_of(lane);
-        test_block::<L>(block, &shear, axes, &mut nearest);
+        let rays = &self.rays;
+        test_block::<L, Q>(block, rays.shear_of(lane), move || rays.shear_of(lane % 8), &mut nearest);
         if Q::ANY {
             nearest.finish();
         }
