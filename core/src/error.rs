@@ -101,8 +101,8 @@ pub enum DecodeError {
         /// Payload number.
         payload: u32,
     },
-    /// A BVH node leads to what is not there or out of turn, lies too deep, or a child's box is not that of its own children, or does not
-    /// hold them in a wide octree.
+    /// A BVH node leads to what is not there or out of turn, or lies too deep; or a child's box is not that of its own
+    /// children (in a wide octree: does not hold them).
     BadBvhNode {
         /// Number of the node.
         node: u32,

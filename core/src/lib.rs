@@ -46,6 +46,7 @@ mod octree;
 mod parts;
 pub mod plane;
 mod policy;
+mod probe;
 mod ray;
 mod ray_f64;
 pub mod slabs;

@@ -31,7 +31,7 @@ pub const SMALLEST_AREA: f32 = SMALLEST_SHEARED * SMALLEST_SHEARED;
 /// What weights say of a hit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ByWeights<L> {
-    /// Of vertices 1 and 2.
+    /// The weights of the triangle's vertices 1 and 2 at the hit.
     pub(crate) weights: [L; 2],
     /// Minus the normal's product with the ray, twice the sheared triangle's area.
     pub(crate) area: L,

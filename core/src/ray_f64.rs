@@ -53,7 +53,7 @@ impl RayF64 {
 }
 
 impl From<Ray> for RayF64 {
-    /// Nothing is rounded, since f64 holds every number of f32.
+    /// The same ray: every number of f32 is also one of f64.
     fn from(ray: Ray) -> Self {
         let Ray { origin, t_min, direction, t_max } = ray;
         Self::between(origin.map(f64::from), direction.map(f64::from), t_min.into(), t_max.into())

@@ -48,6 +48,16 @@ impl<L: Lanes> Slabs<L> {
         }
     }
 
+    /// What the near and the far sides of boxes add to t', per axis; each lane by its own octant.
+    #[inline(always)]
+    pub fn near_far(&self) -> [[L; 3]; 2] {
+        let is_down: [L::Mask; 3] = unroll!(k in 0..3 => self.inverse[k].less(L::splat(0.0)));
+        [
+            unroll!(k in 0..3 => self.upper[k].or_else(is_down[k], self.lower[k])),
+            unroll!(k in 0..3 => self.lower[k].or_else(is_down[k], self.upper[k])),
+        ]
+    }
+
     /// The part between `first` and `last` of the ray that lies in boxes, one a lane: it is met where the part's start is
     /// at most its end.
     #[inline(always)]

@@ -2,14 +2,14 @@
 
 use crate::contract::{BOX_MARGIN, PADDING};
 use crate::lanes::Lanes;
-use crate::layout::{BLOCK_WIDTH, BVH_WIDTH, Block, BvhNode, Child, Key, LATTICE, LINK_NONE, Lattice, MAX_DEPTH, NONE};
+use crate::layout::{BLOCK_WIDTH, BVH_WIDTH, Block, Child, Key, LATTICE, LINK_NONE, MAX_DEPTH, NONE};
 use crate::nearest::Nearest;
 use crate::octree::Octree;
 use crate::parts::Parts;
 use crate::policy::{Policy, Standard};
+use crate::probe::{Entered, Probe, Sides};
 use crate::ray::{CanonicalRay, Hit, Ray};
 use crate::ray_f64::{HitF64, RayF64};
-use crate::slabs::Slabs;
 use crate::start::Span;
 use crate::step::{Cell, Line, Slab, Step, cross, link_kind, neighbour};
 use crate::triangle::{Candidate, Shear, Sheared};
@@ -251,105 +251,6 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
             }
         }
     }
-}
-
-/// The slabs of a ray (see [`Slabs`]), by the sides that it meets first and last.
-#[derive(Clone, Copy)]
-struct Sides {
-    inverse: [f32; 3],
-    near: [f32; 3],
-    far: [f32; 3],
-}
-
-impl Sides {
-    #[inline(always)]
-    fn new(Slabs { inverse, lower, upper }: Slabs<f32>, neg: u32) -> Self {
-        let is_down = |k: usize| neg >> k & 1 == 1;
-        Self {
-            inverse,
-            near: core::array::from_fn(|k| if is_down(k) { upper[k] } else { lower[k] }),
-            far: core::array::from_fn(|k| if is_down(k) { lower[k] } else { upper[k] }),
-        }
-    }
-}
-
-/// What a ray's visits to leaves share.
-struct Probe {
-    /// The sides of boxes that count the root's steps.
-    sides: Sides,
-    origin: [f32; 3],
-    inverse: [f32; 3],
-    neg: u32,
-    shear: Shear<f32>,
-    axes: [usize; 3],
-}
-
-/// A node that a ray has entered.
-#[derive(Clone, Copy)]
-struct Entered<'a> {
-    node: &'a BvhNode,
-    /// The node's number; [`NONE`] for what a leaf lists.
-    number: u32,
-    /// The children whose boxes are met and that have not been visited, a bit each, in the ray's order: slot XOR octant.
-    waiting: u32,
-}
-
-impl Entered<'_> {
-    const NONE: Self = Self { node: &BvhNode::VACANT, number: NONE, waiting: 0 };
-}
-
-impl Probe {
-    fn new(ray: &CanonicalRay, line: &Line<f32>) -> Self {
-        let slabs = Slabs::new(line.origin, line.inverse);
-        let (shear, axes) = Shear::<f32>::new(ray);
-        let sides = Sides::new(slabs, line.neg);
-        Self { sides, origin: ray.origin, inverse: line.inverse, neg: line.neg, shear, axes }
-    }
-
-    /// The sides of boxes that count the steps of a lattice of their own.
-    #[inline(always)]
-    fn sides_in(&self, lattice: &Lattice) -> Sides {
-        Sides::new(Slabs::in_lattice(lattice, self.origin, self.inverse), self.neg)
-    }
-
-    /// Tests all eight boxes of a node against a part of the ray, in loops that compilers turn into SIMD: a bit for each that
-    /// is met, in the ray's order.
-    fn enter(&self, sides: &Sides, node: &BvhNode, part: (f32, f32), nearest: f32) -> u32 {
-        let mut first = [part.0; BVH_WIDTH];
-        let mut last = [Lanes::min(part.1, nearest); BVH_WIDTH];
-        let (near, far) = (node.near_sides(self.neg), node.near_sides(!self.neg));
-        for k in 0..3 {
-            for slot in 0..BVH_WIDTH {
-                first[slot] = Lanes::max(first[slot], f32::from(near[k][slot]) * sides.inverse[k] + sides.near[k]);
-                last[slot] = Lanes::min(last[slot], f32::from(far[k][slot]) * sides.inverse[k] + sides.far[k]);
-            }
-        }
-        let mut met = 0;
-        for slot in 0..BVH_WIDTH {
-            met |= u32::from(first[slot] <= last[slot]) << slot;
-        }
-        in_order(met, self.neg)
-    }
-
-    /// The part of a part of the ray that lies in a child's box, before the nearest hit.
-    #[inline]
-    fn clip(&self, sides: &Sides, node: &BvhNode, slot: usize, part: (f32, f32), nearest: f32) -> (f32, f32) {
-        let (near, far) = (node.near_sides(self.neg), node.near_sides(!self.neg));
-        let along = |side: u16, k: usize, offset: f32| f32::from(side) * sides.inverse[k] + offset;
-        let first = (0..3).fold(part.0, |first, k| Lanes::max(first, along(near[k][slot], k, sides.near[k])));
-        let last = (0..3).fold(part.1, |last, k| Lanes::min(last, along(far[k][slot], k, sides.far[k])));
-        (first, Lanes::min(last, nearest))
-    }
-}
-
-/// Lanes by slot as lanes in the order of a ray of octant `neg`: bit i goes to i XOR `neg`.
-#[inline(always)]
-fn in_order(met: u32, neg: u32) -> u32 {
-    let swap = |met: u32, k: u32, low: u32| {
-        let swapped = (met & low) << (1 << k) | met >> (1 << k) & low;
-        if neg >> k & 1 == 1 { swapped } else { met }
-    };
-    swap(swap(swap(met, 0, 0x55), 1, 0x33), 2, 0x0f)
 }
 
 /// Whether one cell comes before another along a ray of octant `neg`: by the Morton order of the corners that the ray

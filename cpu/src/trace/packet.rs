@@ -205,14 +205,8 @@ impl Packet {
     /// What the near and the far sides of boxes add to t', per axis; each lane by its own octant.
     #[inline(always)]
     pub(crate) fn near_far<L: Eight>(&self) -> [[L; 3]; 2] {
-        let zero = L::splat(0.0);
-        let (lower, upper): ([L; 3], [L; 3]) =
-            (unroll!(k in 0..3 => L::load(&self.lower[k])), unroll!(k in 0..3 => L::load(&self.upper[k])));
-        let negative: [L::Mask; 3] = unroll!(k in 0..3 => L::load(&self.inverse[k]).less(zero));
-        [
-            unroll!(k in 0..3 => upper[k].or_else(negative[k], lower[k])),
-            unroll!(k in 0..3 => lower[k].or_else(negative[k], upper[k])),
-        ]
+        let rows = |rows: &[Row; 3]| unroll!(k in 0..3 => L::load(&rows[k]));
+        Slabs { inverse: rows(&self.inverse), lower: rows(&self.lower), upper: rows(&self.upper) }.near_far()
     }
 
     /// t' of a lattice step, and what the near and the far sides of boxes add to it, where all rays are of one octant.

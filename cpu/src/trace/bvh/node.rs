@@ -53,17 +53,6 @@ impl<L: Eight> NearFarBoxes<L> {
     }
 }
 
-/// Slabs by the sides that rays meet first and last.
-#[inline(always)]
-pub(crate) fn near_far<L: Eight>(Slabs { inverse, lower, upper }: Slabs<L>) -> [[L; 3]; 3] {
-    let is_down: [L::Mask; 3] = unroll!(k in 0..3 => inverse[k].less(L::splat(0.0)));
-    [
-        inverse,
-        unroll!(k in 0..3 => upper[k].or_else(is_down[k], lower[k])),
-        unroll!(k in 0..3 => lower[k].or_else(is_down[k], upper[k])),
-    ]
-}
-
 /// Which of a node's eight boxes a ray meets, a bit a lane, and t' where it enters them.
 #[inline(always)]
 pub(crate) fn boxes_hit<L: Eight>(slabs: &Slabs<L>, order: L::Order, node: &BvhNode, nearest: &Nearest) -> (L, u32) {

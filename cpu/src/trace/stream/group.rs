@@ -9,7 +9,7 @@ use leafwalk_core::{Clock, Nearest, unroll};
 
 use crate::lanes::Eight;
 use crate::trace::bvh::BlockSource;
-use crate::trace::bvh::node::{NearFarBoxes, near_far, test_block};
+use crate::trace::bvh::node::{NearFarBoxes, test_block};
 use crate::trace::bvh::stack::in_order;
 use crate::trace::packet::Packet;
 use crate::trace::query::Query;
@@ -136,7 +136,9 @@ impl Group {
                 ];
                 let slabs = if B::IS_WIDE {
                     let [inverse, ..] = slabs;
-                    near_far(blocks.slabs(number, &Slabs { inverse, lower: inverse, upper: inverse }, ray.near))
+                    let own = blocks.slabs(number, &Slabs { inverse, lower: inverse, upper: inverse }, ray.near);
+                    let [near, far] = own.near_far();
+                    [own.inverse, near, far]
                 } else {
                     slabs
                 };

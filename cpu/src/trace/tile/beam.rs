@@ -30,8 +30,8 @@ pub(crate) const BEAM_MARGIN: f32 = 64.0 * ROUNDOFF * EDGE;
 /// Sum of a beam's widths at both ends above which its rays share too little.
 const WIDEST: f32 = 0.2 * EDGE;
 
-/// The same in wide octrees: a share of the distance from the tile's base to what is looked at, and of how far from there the
-/// beam begins (docs/contract.md, "Beams").
+/// The margin of a beam in a wide octree, as a share of a distance: of that from the tile's [`Base`] to the box or triangle
+/// that is tested, plus the base's reach (docs/contract.md, "Beams").
 const BEAM_SHARE: f32 = BOX_MARGIN / EDGE;
 
 /// Where the coordinates of a beam count from, axes permuted, and how far from there it begins.
@@ -41,9 +41,9 @@ const BEAM_SHARE: f32 = BOX_MARGIN / EDGE;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Base<L> {
     pub(crate) at: [L; 3],
-    /// The largest coordinate of a ray's origin, and of where it begins.
+    /// The largest coordinate, as seen from `at`, of the rays' origins and of the points where the beam begins.
     reach: L,
-    /// [`BEAM_SHARE`], as a rule.
+    /// [`BEAM_SHARE`], unless a test makes beams too narrow.
     share: f32,
 }
 
@@ -54,14 +54,14 @@ impl<L: Eight> Base<L> {
         Self { at: [L::splat(0.0); 3], reach: L::splat(0.0), share: 0.0 }
     }
 
-    /// The origin of the first ray, of beams with a margin of [`BEAM_MARGIN`] as a rule.
+    /// The origin of the first ray. The margin is [`BEAM_MARGIN`], unless a test makes beams too narrow.
     #[inline(always)]
     pub(crate) fn first(packets: &[Packet; PACKETS], margin: f32) -> Self {
         let at = unroll!(k in 0..3 => L::splat(packets[0].origin[k][0]));
         Self { at, reach: L::splat(0.0), share: margin * (BEAM_SHARE / BEAM_MARGIN) }
     }
 
-    /// With the reach of rays that begin somewhere along axis 2.
+    /// This base, with its reach: the beam begins where the rays' coordinate on axis 2 is `begin`.
     #[inline(always)]
     pub(crate) fn reaching(self, packets: &[Packet; PACKETS], begin: f32) -> Self {
         let begin = L::splat(begin);
@@ -224,7 +224,7 @@ fn across<L: Eight>(rays: &Packet, axis: usize, z: L, base: &Base<L>) -> L {
     across + L::load(&rays.slope[axis]) * (z - (L::load(&rays.origin[2]) - base.at[2]))
 }
 
-/// Four planes against the boxes of a node, as seen from the root's corner.
+/// Four planes against the boxes of a node.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BoxTest<L> {
     low: [Plane<L>; 2],
@@ -250,25 +250,32 @@ const BELOW: f32 = -BOX_MARGIN;
 const ABOVE: f32 = 1.0 + BOX_MARGIN;
 
 impl<L: Eight> Plane<L> {
-    /// The plane of a low or a high side across `axis`, given where the root's corner is.
+    /// The plane of a low or a high side across `axis`.
     #[inline(always)]
-    fn new(line: &Side<L>, axis: usize, along: usize, is_low: bool, corner: [f32; 3]) -> Self {
-        let (at, per_z) = (line.at.to_array()[0], line.per_z.to_array()[0]);
-        let at = at + per_z * corner[along] - corner[axis];
-        let is_upper_end = (per_z < 0.0) == is_low;
-        let at = at + per_z * if is_upper_end { ABOVE } else { BELOW } - if is_low { ABOVE } else { BELOW };
+    fn new(line: &Side<L>, axis: usize, along: usize, is_low: bool) -> Self {
+        let is_upper_end = (line.per_z.to_array()[0] < 0.0) == is_low;
         Self {
-            at: L::splat(at),
-            minus_per_z: L::splat(-per_z),
+            at: line.at,
+            minus_per_z: L::splat(0.0) - line.per_z,
             side: 2 * axis + usize::from(is_low),
             end: 2 * along + usize::from(is_upper_end),
         }
     }
 
+    /// The plane for boxes that count the root's steps, given where the root's corner is.
+    #[inline(always)]
+    fn in_root(&self, is_low: bool, corner: [f32; 3]) -> Self {
+        let end = if self.end % 2 == 1 { ABOVE } else { BELOW };
+        let side = if is_low { ABOVE } else { BELOW };
+        let at = self.at - self.minus_per_z * L::splat(corner[self.end / 2]) - L::splat(corner[self.side / 2]);
+        Self { at: at - self.minus_per_z * L::splat(end) - L::splat(side), ..*self }
+    }
+
     /// The plane for the boxes of a node whose lattice has its corner here, from the base.
     #[inline(always)]
     fn in_lattice(&self, is_low: bool, corner: [L; 3], step: L, margin: L) -> Self {
-        // Of a box in step n the side that comes farthest inward, and the end where the plane lies farthest outward.
+        // A box covers its steps whole. A low plane looks at the upper end of the step that the box's upper side is in, a high
+        // plane at the lower end of that of its lower side; along axis 2 likewise, at the end where the plane lies farther out.
         let zero = L::splat(0.0);
         let side = corner[self.side / 2] + if is_low { step } else { zero };
         let end = corner[self.end / 2] + if self.end % 2 == 1 { step } else { zero };
@@ -283,40 +290,31 @@ impl<L: Eight> Plane<L> {
 }
 
 impl<L: Eight> BoxTest<L> {
-    /// For a beam that is the same in all lanes, and its range of axis 2, given where the root's corner is.
+    /// For a beam that is the same in all lanes, and its range of axis 2, before it is known what boxes count.
     #[inline(always)]
-    pub(crate) fn new(beam: &Beam<L>, axes: [usize; 3], z: Range<f32>, corner: [f32; 3]) -> Self {
+    pub(crate) fn new(beam: &Beam<L>, axes: [usize; 3], z: Range<f32>) -> Self {
         let [x, y, end] = axes;
         let [across, up] = &beam.sides;
         Self {
-            low: [Plane::new(&across.low, x, end, true, corner), Plane::new(&up.low, y, end, true, corner)],
-            high: [Plane::new(&across.high, x, end, false, corner), Plane::new(&up.high, y, end, false, corner)],
-            ends: [2 * end, 2 * end + 1],
-            first_step: L::splat(z.least - corner[end] - ABOVE),
-            last_step: L::splat(z.greatest - corner[end] - BELOW),
-        }
-    }
-
-    /// For a beam of a wide octree, before the lattice of a node is known.
-    #[inline(always)]
-    pub(crate) fn wide(beam: &Beam<L>, axes: [usize; 3], z: Range<f32>) -> Self {
-        let [x, y, end] = axes;
-        let [across, up] = &beam.sides;
-        let plane = |line: &Side<L>, axis: usize, is_low: bool| {
-            let is_upper_end = (line.per_z.to_array()[0] < 0.0) == is_low;
-            Plane {
-                at: line.at,
-                minus_per_z: L::splat(0.0) - line.per_z,
-                side: 2 * axis + usize::from(is_low),
-                end: 2 * end + usize::from(is_upper_end),
-            }
-        };
-        Self {
-            low: [plane(&across.low, x, true), plane(&up.low, y, true)],
-            high: [plane(&across.high, x, false), plane(&up.high, y, false)],
+            low: [Plane::new(&across.low, x, end, true), Plane::new(&up.low, y, end, true)],
+            high: [Plane::new(&across.high, x, end, false), Plane::new(&up.high, y, end, false)],
             ends: [2 * end, 2 * end + 1],
             first_step: L::splat(z.least),
             last_step: L::splat(z.greatest),
+        }
+    }
+
+    /// The test for boxes that count the root's steps, given where the root's corner is.
+    #[inline(always)]
+    pub(crate) fn in_root(&self, corner: [f32; 3]) -> Self {
+        let along = L::splat(corner[self.ends[0] / 2]);
+        let ([a, b], [c, d]) = (&self.low, &self.high);
+        Self {
+            low: [a.in_root(true, corner), b.in_root(true, corner)],
+            high: [c.in_root(false, corner), d.in_root(false, corner)],
+            ends: self.ends,
+            first_step: self.first_step - along - L::splat(ABOVE),
+            last_step: self.last_step - along - L::splat(BELOW),
         }
     }
 

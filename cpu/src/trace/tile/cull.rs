@@ -8,7 +8,7 @@ use leafwalk_core::unroll;
 use super::hits::TileHits;
 use crate::lanes::Eight;
 use crate::trace::bvh::BlockSource;
-use crate::trace::bvh::node::{NearFarBoxes, near_far};
+use crate::trace::bvh::node::NearFarBoxes;
 use crate::trace::bvh::stack::in_order;
 use crate::trace::packet::{PACKETS, Packet, Row};
 
@@ -52,7 +52,9 @@ impl<L: Eight> RayCull<L> {
             return slabs;
         }
         let [inverse, origin, _] = slabs;
-        near_far(blocks.slabs_of(number, &Slabs { inverse, lower: inverse, upper: inverse }, origin))
+        let own = blocks.slabs_of(number, &Slabs { inverse, lower: inverse, upper: inverse }, origin);
+        let [near, far] = own.near_far();
+        [own.inverse, near, far]
     }
 
     /// The children that some of `rays` meet, among those that are `met`, a mask of places: eight rays at a time against

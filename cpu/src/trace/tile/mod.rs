@@ -109,11 +109,11 @@ impl<'a, L: Eight> Tile<'a, L> {
             (Base::anchor(), z, z, tiling.beam_margin)
         };
         let (of_packets, of_all) = Beam::around(packets, ends, &base, margin)?;
+        let boxes = BoxTest::new(&of_all, axes, z);
         let (boxes, entry) = if B::IS_WIDE {
-            (BoxTest::wide(&of_all, axes, z), EarliestEntry::wide(packets, axes[2], is_upper, &base))
+            (boxes, EarliestEntry::wide(packets, axes[2], is_upper, &base))
         } else {
-            let entry = EarliestEntry::new(packets, axes[2], is_upper, corner[axes[2]]);
-            (BoxTest::new(&of_all, axes, z, corner), entry)
+            (boxes.in_root(corner), EarliestEntry::new(packets, axes[2], is_upper, corner[axes[2]]))
         };
         let hits = TileHits::new::<L>(packets);
         Some(Self {

@@ -76,7 +76,7 @@ fn locate(point: vec3<f32>, line: Line) -> Crossing {
     return Crossing(record, Cell(corner & vec3<u32>(~(size - 1u)), size));
 }
 
-// core/src/trace.rs: Probe::enter; bit i: the box in slot i is met
+// core/src/probe.rs: Probe::enter; bit i: the box in slot i is met
 fn boxes_met(node: u32, slabs: Slabs, neg: u32, first: f32, last: f32) -> u32 {
     var near_even = vec4<f32>(first);
     var near_odd = vec4<f32>(first);
@@ -97,20 +97,20 @@ fn boxes_met(node: u32, slabs: Slabs, neg: u32, first: f32, last: f32) -> u32 {
     return met.x | met.y | met.z | met.w;
 }
 
-// core/src/trace.rs: in_order
+// core/src/probe.rs: in_order
 fn in_order(met: u32, neg: u32) -> u32 {
     let x = select(met, ((met & 0x55u) << 1u) | ((met >> 1u) & 0x55u), (neg & 1u) != 0u);
     let y = select(x, ((x & 0x33u) << 2u) | ((x >> 2u) & 0x33u), (neg & 2u) != 0u);
     return select(y, ((y & 0x0fu) << 4u) | ((y >> 4u) & 0x0fu), (neg & 4u) != 0u);
 }
 
-// core/src/trace.rs: Probe::clip, a side of the box in a slot
+// core/src/probe.rs: Probe::clip, a side of the box in a slot
 fn side_of(node: u32, axis: u32, is_upper: u32, slot: u32) -> f32 {
     let both = word(((node + 2u * axis + is_upper) << 2u) + (slot >> 1u));
     return f32((both >> (16u * (slot & 1u))) & 0xffffu);
 }
 
-// core/src/trace.rs: Probe::clip, the rest
+// core/src/probe.rs: Probe::clip, the rest
 fn clip_slot(node: u32, slot: u32, slabs: Slabs, neg: u32, first: f32, last: f32) -> vec2<f32> {
     var part = vec2<f32>(first, last);
     for (var axis = 0u; axis < 3u; axis++) {
@@ -221,7 +221,7 @@ struct Search {
 // Whether the walk ends at the first leaf that gives a hit, whichever that is.
 override ANY_HIT: bool = false;
 
-// core/src/trace.rs: Walk::walk, from the stop test on; false where the walk ends.
+// core/src/trace.rs: Walk::walk_in, from the stop test on; false where the walk ends.
 fn advance(line: Line, at: ptr<function, Crossing>, head: vec4<u32>, t: f32) -> bool {
     let rest = quad(setup.records + (*at).record * RECORD_QUADS + 1u);
     let exit = exit_of(line, (*at).cell);
@@ -233,7 +233,7 @@ fn advance(line: Line, at: ptr<function, Crossing>, head: vec4<u32>, t: f32) -> 
     return true;
 }
 
-// core/src/trace.rs: Walk::walk. Both loops end: the Morton key of the cell's far corner grows.
+// core/src/trace.rs: Walk::walk_in. Both loops end: the Morton key of the cell's far corner grows.
 fn walk(ray: CanonicalRay) -> Search {
     var nearest = Nearest(ray.t_min, ray.t_max, 0.0, 0.0, NONE);
     let line = line_of(ray);
