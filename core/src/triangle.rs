@@ -151,8 +151,7 @@ impl<L: Lanes> Sheared<L> {
         let v = difference_of_products(ax, cy, ay, cx);
         let w = difference_of_products(bx, ay, by, ax);
         let zero = L::splat(0.0);
-        let negative = u.less(zero) | v.less(zero) | w.less(zero);
-        let positive = zero.less(u) | zero.less(v) | zero.less(w);
+        let (negative, positive) = (u.min(v).min(w).less(zero), zero.less(u.max(v).max(w)));
         let accepted = (negative | positive) & !(negative & positive);
 
         let area = (u + v) + w;

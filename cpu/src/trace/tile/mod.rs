@@ -283,7 +283,7 @@ impl<'a, L: Eight> Tile<'a, L> {
     /// Tests some triangles against packets that they may be hit by.
     #[inline(always)]
     fn test_triangles<B: BlockSource, Q: Query>(&mut self, block: &Block, mut triangles: u32, packets: u32) {
-        let asking = packets & self.asking;
+        let (asking, axes, beams) = (packets & self.asking, self.axes, self.of_packets);
         let mut is_hit = false;
         while triangles != 0 {
             let lane = triangles.trailing_zeros() as usize % BLOCK_WIDTH;
@@ -294,8 +294,8 @@ impl<'a, L: Eight> Tile<'a, L> {
             }
             self.tests += 1;
             let triangle: [[L; 3]; 3] =
-                unroll!(c in 0..3 => unroll!(k in 0..3 => L::splat(block.vertices[c][self.axes[k]][lane])));
-            let mut packets = self.meets::<B>(&self.of_packets, &triangle) & asking;
+                unroll!(c in 0..3 => unroll!(k in 0..3 => L::splat(block.vertices[c][axes[k]][lane])));
+            let mut packets = self.meets::<B>(&beams, &triangle) & asking;
             while packets != 0 {
                 let packet = packets.trailing_zeros() as usize % PACKETS;
                 packets &= packets - 1;
