@@ -283,6 +283,7 @@ impl<'a, L: Eight> Tile<'a, L> {
     /// Tests some triangles against packets that they may be hit by.
     #[inline(always)]
     fn test_triangles<B: BlockSource, Q: Query>(&mut self, block: &Block, mut triangles: u32, packets: u32) {
+        // Copies: behind the call that short hits take, compilers would read the tile's own again for each triangle.
         let (asking, axes, beams) = (packets & self.asking, self.axes, self.of_packets);
         let mut is_hit = false;
         while triangles != 0 {
