@@ -54,7 +54,7 @@ pub mod output_file;
 #[cfg(feature = "serde")]
 pub use leafwalk_core::numbers;
 pub use leafwalk_core::{
-    Aabb, AlignedBytes, Blocks, CanonicalRay, Clock, DecodeError, Frame, Hit, HitF64, Indexed, LEAF_SIZES,
+    Aabb, AlignedBytes, Blocks, CanonicalRay, Clock, DecodeError, Frame, Hit, HitF64, Indexed, LEAF_SIZES, Leaf,
     LengthMismatch, Octree, Parts, Ray, RayF64, RecordFault, Stats, Tracer, Walk, Work, geometric_normal, hit_hash,
     layout, one_by_one, wire,
 };

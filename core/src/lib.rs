@@ -38,6 +38,7 @@ mod error;
 mod frame;
 pub mod lanes;
 pub mod layout;
+mod leaf;
 mod nearest;
 mod normal;
 #[cfg(feature = "serde")]
@@ -70,6 +71,7 @@ pub use blocks::{Blocks, Indexed};
 pub use clock::Clock;
 pub use error::{DecodeError, RecordFault};
 pub use frame::Frame;
+pub use leaf::Leaf;
 pub use nearest::{Nearest, weight_of_vertex_2};
 pub use normal::geometric_normal;
 pub use octree::Octree;

@@ -18,6 +18,8 @@ pub trait Policy: Copy {
     const ORDERS_BY_REPORTED: bool = false;
     /// Short hits lie where the ray meets the triangle's plane.
     const MEETS_PLANES: bool = true;
+    /// A walk begins in the leaf that the caller knows, wherever the ray starts.
+    const TRUSTS_LEAVES: bool = false;
     /// The mesh keeps its margin inside the root; only files that break the contract lack it.
     const KEEPS_MESH_MARGIN: bool = true;
 }

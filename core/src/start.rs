@@ -3,7 +3,9 @@
 use crate::contract::START_MARGIN;
 use crate::lanes::Lanes;
 use crate::layout::{Key, LATTICE};
+use crate::leaf::Leaf;
 use crate::parts::Parts;
+use crate::policy::{Policy, Standard};
 use crate::step::{Cell, Line};
 use crate::unroll;
 
@@ -38,14 +40,42 @@ impl<L: Lanes> Span<L> {
 
 impl Parts<'_> {
     /// The leaf that holds a point of the root (as seen from its corner), on the side of a ray of octant `neg` where the
-    /// point lies on a face: the number of its record, and its cell.
+    /// point lies on a face: the number of its record, and its cell. It is found sooner if it is the one that is `known`.
     #[inline]
-    pub fn locate(&self, point: [f32; 3], neg: u32) -> (u32, Cell<f32>) {
-        let corner: [u32; 3] = core::array::from_fn(|k| {
-            let whole = (point[k] as u32).min(LATTICE - 1);
-            let backs_off = neg >> k & 1 == 1 && whole as f32 == point[k] && whole > 0;
-            whole - u32::from(backs_off)
-        });
+    pub fn locate(&self, point: [f32; 3], neg: u32, known: Leaf) -> (u32, Cell<f32>) {
+        self.locate_with::<Standard>(point, neg, known)
+    }
+
+    /// See [`crate::testing::walk`].
+    #[inline]
+    pub(crate) fn locate_with<P: Policy>(&self, point: [f32; 3], neg: u32, known: Leaf) -> (u32, Cell<f32>) {
+        match known {
+            Leaf::UNKNOWN => self.descend(point, neg),
+            known => self.locate_known::<P>(point, neg, known),
+        }
+    }
+
+    /// As [`Parts::locate`], of a leaf that the caller claims to know. It stands apart, so that walks that know none do not pay
+    /// for those that do.
+    #[inline(never)]
+    fn locate_known<P: Policy>(&self, point: [f32; 3], neg: u32, known: Leaf) -> (u32, Cell<f32>) {
+        let holds = |cell: &Cell<f32>| smallest_cell(point, neg).map(|c| c & !(cell.size - 1)) == cell.corner;
+        match self.cell(known) {
+            Some(cell) if P::TRUSTS_LEAVES || holds(&cell) => (known.0, cell),
+            _ => self.descend(point, neg),
+        }
+    }
+
+    /// The cell of a leaf, unless the number is none of a leaf's record.
+    fn cell(&self, Leaf(number): Leaf) -> Option<Cell<f32>> {
+        let record = self.records.get(number as usize).filter(|_| number == 0 || number > 7)?;
+        (!record.head().is_inner()).then(|| Cell::new(self.key(number)))
+    }
+
+    /// As [`Parts::locate`], from the entry grid down.
+    #[inline]
+    fn descend(&self, point: [f32; 3], neg: u32) -> (u32, Cell<f32>) {
+        let corner = smallest_cell(point, neg);
         let bits = self.header.grid_bits;
         let shift = LATTICE.ilog2() - bits;
         let entry = (0..3).fold(0, |entry, k| entry | (corner[k] >> shift) << (k as u32 * bits));
@@ -59,4 +89,15 @@ impl Parts<'_> {
             number = record.offset + Key::octant_towards(size, corner);
         }
     }
+}
+
+/// The corner of the smallest cell that holds a point of the root: on the side of a ray of octant `neg`, see
+/// [`Parts::locate`].
+#[inline(always)]
+fn smallest_cell(point: [f32; 3], neg: u32) -> [u32; 3] {
+    core::array::from_fn(|k| {
+        let whole = (point[k] as u32).min(LATTICE - 1);
+        let backs_off = neg >> k & 1 == 1 && whole as f32 == point[k] && whole > 0;
+        whole - u32::from(backs_off)
+    })
 }

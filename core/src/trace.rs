@@ -3,6 +3,7 @@
 use crate::contract::{BOX_MARGIN, PADDING};
 use crate::lanes::Lanes;
 use crate::layout::{BLOCK_WIDTH, BVH_WIDTH, Block, Child, Key, LATTICE, LINK_NONE, MAX_DEPTH, NONE};
+use crate::leaf::Leaf;
 use crate::nearest::Nearest;
 use crate::octree::Octree;
 use crate::parts::Parts;
@@ -67,6 +68,8 @@ struct Search<'a> {
     ray: &'a CanonicalRay,
     nearest: Nearest,
     work: Work,
+    /// Where the walk ended.
+    end: Leaf,
 }
 
 impl<'a> Walk<'a> {
@@ -85,55 +88,67 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
 
     /// See [`Octree::closest_hit`].
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        self.closest_hit_with_work(ray).0
+        self.find(ray, Leaf::UNKNOWN).0
     }
 
     /// See [`Octree::closest_hit_with_work`].
     pub fn closest_hit_with_work(&self, ray: &Ray) -> (Option<Hit>, Work) {
+        let (hit, _, work) = self.find(ray, Leaf::UNKNOWN);
+        (hit, work)
+    }
+
+    /// The closest hit, the leaf in which the walk ended, and its work.
+    pub(crate) fn find(&self, ray: &Ray, leaf: Leaf) -> (Option<Hit>, Leaf, Work) {
         let Some(canonical) = self.parts.frame.canonical_with::<P>(ray) else { return Default::default() };
-        let search = self.search::<false>(&canonical);
-        (search.nearest.is_hit().then(|| search.nearest.hit(&canonical.clock)), search.work)
+        let Search { nearest, work, end, .. } = self.search::<false>(&canonical, leaf);
+        (nearest.is_hit().then(|| nearest.hit(&canonical.clock)), end, work)
     }
 
     /// See [`Octree::occluded`].
     pub fn occluded(&self, ray: &Ray) -> bool {
+        self.occluded_from(ray, Leaf::UNKNOWN)
+    }
+
+    /// See [`Octree::occluded_from`].
+    pub fn occluded_from(&self, ray: &Ray, leaf: Leaf) -> bool {
         let canonical = self.parts.frame.canonical_with::<P>(ray);
-        canonical.is_some_and(|canonical| self.search::<true>(&canonical).nearest.is_hit())
+        canonical.is_some_and(|canonical| self.search::<true>(&canonical, leaf).nearest.is_hit())
     }
 
     /// See [`Octree::closest_hit_f64`].
     pub fn closest_hit_f64(&self, ray: &RayF64) -> Option<HitF64> {
         let canonical = self.parts.frame.canonical_f64(ray)?;
-        self.search::<false>(&canonical).nearest.hit_f64(&canonical.clock).ok()
+        self.search::<false>(&canonical, Leaf::UNKNOWN).nearest.hit_f64(&canonical.clock).ok()
     }
 
     /// See [`Octree::occluded_f64`].
     pub fn occluded_f64(&self, ray: &RayF64) -> bool {
         let canonical = self.parts.frame.canonical_f64(ray);
-        canonical.is_some_and(|canonical| self.search::<true>(&canonical).nearest.is_hit())
+        canonical.is_some_and(|canonical| self.search::<true>(&canonical, Leaf::UNKNOWN).nearest.is_hit())
     }
 
     /// The cells that a closest-hit walk visits, in order.
     pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(u32, Key)) {
         if let Some(canonical) = self.parts.frame.canonical_with::<P>(ray) {
-            self.walk::<false>(&canonical, &mut |record, cell: &Cell<f32>| {
+            self.walk::<false>(&canonical, Leaf::UNKNOWN, &mut |record, cell: &Cell<f32>| {
                 visitor(record, Key { corner: cell.corner, level: LATTICE.ilog2() - cell.size.ilog2() });
             });
         }
     }
 
-    fn search<'r, const ANY: bool>(&self, ray: &'r CanonicalRay) -> Search<'r> {
-        self.walk::<ANY>(ray, &mut |_, _| {})
+    fn search<'r, const ANY: bool>(&self, ray: &'r CanonicalRay, leaf: Leaf) -> Search<'r> {
+        self.walk::<ANY>(ray, leaf, &mut |_, _| {})
     }
 
     fn walk<'r, const ANY: bool>(
         &self,
         ray: &'r CanonicalRay,
+        leaf: Leaf,
         visitor: &mut impl FnMut(u32, &Cell<f32>),
     ) -> Search<'r> {
         match self.parts.lattices {
-            [] => self.walk_in::<ANY, false>(ray, visitor),
-            _ => self.walk_in::<ANY, true>(ray, visitor),
+            [] => self.walk_in::<ANY, false>(ray, leaf, visitor),
+            _ => self.walk_in::<ANY, true>(ray, leaf, visitor),
         }
     }
 
@@ -141,9 +156,10 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
     fn walk_in<'r, const ANY: bool, const WIDE: bool>(
         &self,
         ray: &'r CanonicalRay,
+        leaf: Leaf,
         visitor: &mut impl FnMut(u32, &Cell<f32>),
     ) -> Search<'r> {
-        let mut search = Search { ray, nearest: Nearest::new(ray), work: Work::default() };
+        let mut search = Search { ray, nearest: Nearest::new(ray), work: Work::default(), end: Leaf::UNKNOWN };
         let line = Line::new(ray.within, ray.direction);
         let span = Span::new(&line, ray.t_min, ray.t_max, &self.hull);
         if !span.is_met {
@@ -152,7 +168,7 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
         let probe = Probe::new(ray, &line);
         // In a leaf, the nodes on the way down.
         let mut path = [Entered::NONE; MAX_DEPTH];
-        let (mut number, mut cell) = self.parts.locate(span.start, line.neg);
+        let (mut number, mut cell) = self.parts.locate_with::<P>(span.start, line.neg, leaf);
         loop {
             visitor(number, &cell);
             search.work.cells += 1;
@@ -161,19 +177,21 @@ impl<'a, S: Step, P: Policy> Walk<'a, S, P> {
             if head.t_count() != 0 {
                 self.leaf::<ANY, WIDE>(record.offset, &probe, &mut search, &mut path);
                 if (ANY || P::STOPS_AT_FIRST_HIT) && search.nearest.is_hit() {
-                    return search;
+                    break;
                 }
             }
             let exit = S::exit(&line, &cell);
             let margin = if P::STOP_MARGIN { PADDING } else { 0.0 };
             let is_done = Lanes::min(search.nearest.t, span.end) * exit.speed < exit.distance - margin;
             if is_done || link_kind::<f32>(head.0, exit.face) == LINK_NONE {
-                return search;
+                break;
             }
             let left = cell;
             (number, cell) = cross::<f32, S>(&line, &cell, &exit, head.0, neighbour(record, exit.face));
             debug_assert!(precedes(&left, &cell, line.neg), "a step must move forward: {ray:?}");
         }
+        search.end = Leaf(number);
+        search
     }
 
     /// The sides of the boxes of a node, or of what a leaf lists.

@@ -4,13 +4,13 @@ use core::cell::RefCell;
 use core::fmt;
 
 use leafwalk_core::canonical::PreparedFrame;
-use leafwalk_core::{Clock, Hit, HitF64, LengthMismatch, Nearest, Octree, Ray, RayF64, Tracer};
+use leafwalk_core::{Clock, Hit, HitF64, Leaf, LengthMismatch, Nearest, Octree, Ray, RayF64, Tracer};
 use rayon::prelude::*;
 
 use crate::lanes::Registers;
 use crate::trace::bvh::{BlockSource, Bvh, with_blocks};
 use crate::trace::query::{AnyHit, ClosestHit, Query};
-use crate::trace::{Batch, Scratch, Tiling, Way, single};
+use crate::trace::{Batch, Leaves, Scratch, Tiling, Way, single};
 
 /// Rays a task: enough to hide the cost of handing it out, few enough to share the work evenly.
 const TASK: usize = 4096;
@@ -57,6 +57,52 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
         self.single::<AnyHit>(ray)
     }
 
+    /// As [`Tracer::closest_hits`] by [`Way::Walk`], for rays that may start in leaves that are known; and the leaves in which
+    /// their walks ended, [`Leaf::UNKNOWN`] where there was nothing to walk through. See [`Leaf`].
+    ///
+    /// Of rays beyond the end of `known` nothing is known, so it may be empty. A walk is a little faster from a known leaf;
+    /// where other ways are much faster than walks, as they are for most rays, they stay so.
+    ///
+    /// ```
+    /// # use leafwalk_core::{Hit, Leaf, Ray};
+    /// # use leafwalk_cpu::{Builder, CpuTracer, Mesh};
+    /// let floor = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let ceiling = floor.map(|[x, y, _]| [x, y, 1.0]);
+    /// let mesh = Mesh::new([floor, ceiling].concat(), vec![[0, 1, 2], [3, 4, 5]]);
+    /// let tracer = CpuTracer::new(Builder::for_walks().build(&mesh)?);
+    /// let (mut hits, mut ends) = ([Hit::MISS], [Leaf::UNKNOWN]);
+    /// tracer.closest_hits_from(&[Ray::new([0.25, 0.25, 0.5], [0.0, 0.0, -1.0])], &[], &mut hits, &mut ends)?;
+    /// assert_eq!(hits[0].primitive, 0);
+    ///
+    /// // What leaves a hit begins where the walk to the hit ended.
+    /// let up = hits[0].spawn(&tracer.octree().frame(), &mesh.corners(0), [0.0, 0.0, 1.0]);
+    /// let known = ends;
+    /// tracer.closest_hits_from(&[up], &known, &mut hits, &mut ends)?;
+    /// assert_eq!(hits[0].primitive, 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When `hits` or `ends` is not as long as `rays`.
+    pub fn closest_hits_from(
+        &self,
+        rays: &[Ray],
+        known: &[Leaf],
+        hits: &mut [Hit],
+        ends: &mut [Leaf],
+    ) -> Result<(), LengthMismatch> {
+        LengthMismatch::check(rays.len(), ends.len())?;
+        self.borrowed().with_way(Way::Walk).find_closest(rays, Leaves { known, ends }, hits)
+    }
+
+    /// As [`Tracer::occlusions`] by [`Way::Walk`], for rays that may start in leaves that are known.
+    ///
+    /// # Errors
+    /// When `occluded` is not as long as `rays`.
+    pub fn occlusions_from(&self, rays: &[Ray], known: &[Leaf], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
+        self.borrowed().with_way(Way::Walk).find_any(rays, Leaves { known, ends: &mut [] }, occluded)
+    }
+
     /// The closest hit of one ray in f64, on this thread: `t_min < t < t_max` holds for the t of the answer.
     pub fn closest_hit_f64(&self, ray: &RayF64) -> Option<HitF64> {
         self.borrowed().find_closest_f64(ray).ok()
@@ -101,12 +147,12 @@ impl<W: AsRef<[u32]> + Sync> CpuTracer<W> {
 /// The first two have no type parameter, so the kernels are compiled here, once. They take most of a minute to compile,
 /// and each crate that traces would compile them anew.
 impl CpuTracer<&[u32]> {
-    fn find_closest(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
-        self.batches::<ClosestHit>(rays, hits)
+    fn find_closest(&self, rays: &[Ray], leaves: Leaves<'_>, hits: &mut [Hit]) -> Result<(), LengthMismatch> {
+        self.batches::<ClosestHit>(rays, leaves, hits)
     }
 
-    fn find_any(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
-        self.batches::<AnyHit>(rays, occluded)
+    fn find_any(&self, rays: &[Ray], leaves: Leaves<'_>, occluded: &mut [bool]) -> Result<(), LengthMismatch> {
+        self.batches::<AnyHit>(rays, leaves, occluded)
     }
 
     fn find_closest_f64(&self, ray: &RayF64) -> HitF64 {
@@ -139,14 +185,20 @@ impl CpuTracer<&[u32]> {
         Ok(())
     }
 
-    fn batches<Q: Query>(&self, rays: &[Ray], answers: &mut [Q::Answer]) -> Result<(), LengthMismatch> {
-        with_blocks!(self.octree, blocks => self.batches_in::<_, Q>(blocks, rays, answers))
+    fn batches<Q: Query>(
+        &self,
+        rays: &[Ray],
+        leaves: Leaves<'_>,
+        answers: &mut [Q::Answer],
+    ) -> Result<(), LengthMismatch> {
+        with_blocks!(self.octree, blocks => self.batches_in::<_, Q>(blocks, rays, leaves, answers))
     }
 
     fn batches_in<B: BlockSource, Q: Query>(
         &self,
         blocks: B,
         rays: &[Ray],
+        leaves: Leaves<'_>,
         answers: &mut [Q::Answer],
     ) -> Result<(), LengthMismatch> {
         // A new scratch would have to be filled for each batch.
@@ -154,10 +206,10 @@ impl CpuTracer<&[u32]> {
         LengthMismatch::check(rays.len(), answers.len())?;
         let bvh = &Bvh::new(&self.octree, self.frame, blocks);
         let Self { ref octree, tiling, way, .. } = *self;
-        let tasks = rays.par_chunks(TASK).zip(answers.par_chunks_mut(TASK));
-        tasks.for_each(|(rays, answers)| {
+        let tasks = rays.par_chunks(TASK).zip(answers.par_chunks_mut(TASK)).zip(leaves.par_chunks(TASK, rays.len()));
+        tasks.for_each(|((rays, answers), leaves)| {
             SCRATCH.with_borrow_mut(|scratch| {
-                self.registers.run(Batch::<B, Q> { octree, bvh, tiling, way, scratch, rays, answers });
+                self.registers.run(Batch::<B, Q> { octree, bvh, tiling, way, scratch, rays, leaves, answers });
             });
         });
         Ok(())
@@ -168,11 +220,11 @@ impl<W: AsRef<[u32]> + Sync> Tracer for CpuTracer<W> {
     type Error = LengthMismatch;
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
-        self.borrowed().find_closest(rays, hits)
+        self.borrowed().find_closest(rays, Leaves::default(), hits)
     }
 
     fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
-        self.borrowed().find_any(rays, occluded)
+        self.borrowed().find_any(rays, Leaves::default(), occluded)
     }
 }
 

@@ -4,13 +4,14 @@
 use core::marker::PhantomData;
 
 use crate::listing::triangles_of;
+use crate::random::Random;
 use leafwalk_core::lanes::Lanes;
 use leafwalk_core::layout::Triangle;
 use leafwalk_core::step::Step;
 use leafwalk_core::testing::{self, Policy};
 use leafwalk_core::triangle::{Shear, intersect};
 use leafwalk_core::{
-    CanonicalRay, Frame, Hit, LengthMismatch, Octree, Parts, Ray, Tracer, Walk, one_by_one, weight_of_vertex_2,
+    CanonicalRay, Frame, Hit, Leaf, LengthMismatch, Octree, Parts, Ray, Tracer, Walk, one_by_one, weight_of_vertex_2,
 };
 use leafwalk_cpu::CpuTracer;
 
@@ -55,6 +56,69 @@ impl<'a, S: Step, P: Policy> Stepping<'a, S, P> {
     }
 }
 tracer!(Stepping<S: Step, P: Policy>);
+
+/// A leaf to tell a walk of, right or wrong, chosen by the ray's bits: the one in which the walk begins, one beside it, the
+/// one in which it ends, any record, those of inner nodes and vacant ones included, no record, or none.
+pub fn told(parts: &Parts<'_>, ray: &Ray) -> Leaf {
+    let words: &[u32] = bytemuck::cast_slice(core::slice::from_ref(ray));
+    let mut random = Random::new(words.iter().fold(0, |seed, word| seed.rotate_left(7) ^ u64::from(*word)), 0);
+    let mut visited = Vec::new();
+    Walk::new(parts).visit(ray, |record, _| visited.push(record));
+    let (first, last) = (visited.first().map_or(0, |first| *first), visited.last().map_or(0, |last| *last));
+    let count = parts.records.len();
+    Leaf(match random.below(6) {
+        0 => first,
+        1 => parts.records[first as usize].neighbours[random.below(6)],
+        2 => last,
+        3 => random.below(count) as u32,
+        4 => (count + random.below(3)) as u32,
+        _ => return Leaf::UNKNOWN,
+    })
+}
+
+/// As [`Stepping`], by walks that are [`told`] leaves.
+pub struct SteppingFrom<'a, S, P> {
+    parts: &'a Parts<'a>,
+    walk: Walk<'a, S, P>,
+}
+
+impl<'a, S: Step, P: Policy> SteppingFrom<'a, S, P> {
+    /// Walks this octree.
+    pub fn new(parts: &'a Parts<'a>) -> Self {
+        Self { parts, walk: testing::walk(parts) }
+    }
+
+    fn answer(&self, ray: &Ray) -> Option<Hit> {
+        self.walk.closest_hit_from(ray, told(self.parts, ray)).0
+    }
+
+    fn is_occluded(&self, ray: &Ray) -> bool {
+        self.walk.occluded_from(ray, told(self.parts, ray))
+    }
+}
+tracer!(SteppingFrom<S: Step, P: Policy>);
+
+/// The CPU's walks in lanes, which are [`told`] leaves.
+pub struct LanesFrom<'a, W>(pub &'a CpuTracer<W>);
+
+impl<W: Words> LanesFrom<'_, W> {
+    fn told(&self, rays: &[Ray]) -> Vec<Leaf> {
+        let parts = self.0.octree().parts();
+        rays.iter().map(|ray| told(&parts, ray)).collect()
+    }
+}
+
+impl<W: Words> Tracer for LanesFrom<'_, W> {
+    type Error = LengthMismatch;
+
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Hit]) -> Result<(), LengthMismatch> {
+        self.0.closest_hits_from(rays, &self.told(rays), hits, &mut vec![Leaf::UNKNOWN; rays.len()])
+    }
+
+    fn occlusions(&self, rays: &[Ray], occluded: &mut [bool]) -> Result<(), LengthMismatch> {
+        self.0.occlusions_from(rays, &self.told(rays), occluded)
+    }
+}
 
 /// The CPU's tracer, called with one ray at a time.
 pub struct OneByOne<'a, W>(pub &'a CpuTracer<W>);

@@ -12,7 +12,7 @@ use super::patience::Patience;
 use super::query::Query;
 use super::single::descend;
 use super::stream::Stream;
-use super::walk::Walk;
+use super::walk::{Leaves, Walk};
 use crate::lanes::Eight;
 
 /// Rays of a batch that are worth a stream.
@@ -61,6 +61,7 @@ pub(crate) struct Alone<'a, L: Eight> {
     octree: &'a Octree<&'a [u32]>,
     /// What walks want to know of the octree, once they have asked: its sections, and the dilated hull.
     parts: Option<(Parts<'a>, [[f32; 3]; 2])>,
+    leaves: Leaves<'a>,
     scratch: &'a mut Scratch,
     interleaved: Interleaved<L>,
 }
@@ -73,10 +74,11 @@ impl<'a, L: Eight> Alone<'a, L> {
         rays: usize,
         octree: &'a Octree<&'a [u32]>,
         hull: LatticeBox,
+        leaves: Leaves<'a>,
         scratch: &'a mut Scratch,
     ) -> Self {
         let way = if way == Way::Auto && rays < LEAST_STREAM { Way::Single } else { way };
-        Self { way, hull, octree, parts: None, scratch, interleaved: Interleaved::new() }
+        Self { way, hull, octree, parts: None, leaves, scratch, interleaved: Interleaved::new() }
     }
 
     /// Takes in the rays of a packet; without a packet, traces all that are left to the end. The answers of rays that miss
@@ -91,7 +93,10 @@ impl<'a, L: Eight> Alone<'a, L> {
     ) {
         match &mut packet {
             Some(packet) => {
-                packet.drop_beyond::<L>(&self.hull);
+                // Walks look at the hull themselves.
+                if self.way != Way::Walk {
+                    packet.drop_beyond::<L>(&self.hull);
+                }
                 self.choose();
             }
             // No ray goes alone.
@@ -120,7 +125,7 @@ impl<'a, L: Eight> Alone<'a, L> {
                 let (octree, hull) = (self.octree, &self.hull);
                 let (parts, hull) = self.parts.get_or_insert_with(|| (octree.parts(), hull.dilated(BOX_MARGIN)));
                 let walk = walk.get_or_insert_with(Walk::new);
-                walk.admit::<L, B, Q>(parts, &bvh.blocks, hull, packet, answers);
+                walk.admit::<L, B, Q>(parts, &bvh.blocks, hull, packet, answers, &mut self.leaves);
             }
         }
     }

@@ -30,7 +30,7 @@ mod stream;
 mod tile;
 mod walk;
 
-use leafwalk_core::{Octree, Ray};
+use leafwalk_core::{Leaf, Octree, Ray};
 
 use crate::lanes::{Eight, Kernel};
 use alone::Alone;
@@ -44,6 +44,7 @@ use query::Query;
 use run::Run;
 use tile::Tile;
 pub(crate) use tile::Tiling;
+pub(crate) use walk::Leaves;
 
 /// Packets that are worth a tile, which is filled up with repetitions of the last one.
 const LEAST_RUN: usize = 4;
@@ -56,6 +57,8 @@ pub(crate) struct Batch<'a, B, Q: Query> {
     pub(crate) way: Way,
     pub(crate) scratch: &'a mut Scratch,
     pub(crate) rays: &'a [Ray],
+    /// Walks alone look at them.
+    pub(crate) leaves: Leaves<'a>,
     pub(crate) answers: &'a mut [Q::Answer],
 }
 
@@ -64,13 +67,14 @@ impl<B: BlockSource, Q: Query> Kernel for Batch<'_, B, Q> {
 
     #[inline(always)]
     fn run<L: Eight>(self) {
-        let Self { octree, bvh, tiling, way, scratch, rays, answers } = self;
+        let Self { octree, bvh, tiling, way, scratch, rays, leaves, answers } = self;
         answers.fill(Q::MISS);
+        leaves.ends.fill(Leaf::UNKNOWN);
         if bvh.nodes.is_empty() {
             return;
         }
         let mut waiting = TileStack::new();
-        let mut alone = Alone::<L>::new(way, rays.len(), octree, bvh.hull(), scratch);
+        let mut alone = Alone::<L>::new(way, rays.len(), octree, bvh.hull(), leaves, scratch);
         let mut patience = Patience::new();
         let mut run = Run::new();
         let mut eights = (0..).step_by(8).zip(rays.chunks(8));

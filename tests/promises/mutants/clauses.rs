@@ -7,7 +7,7 @@ use leafwalk_cpu::testing::{self, Spoiled, spoil};
 use leafwalk_testing::random::Random;
 use leafwalk_testing::rays::{Shared, Target, extent, point_on};
 use leafwalk_testing::tally::{Tally, scaled};
-use leafwalk_testing::tracers::{Every, Named, OneByOne, Stepping};
+use leafwalk_testing::tracers::{Every, Named, OneByOne, Stepping, SteppingFrom};
 use leafwalk_testing::{meshes, rays};
 
 use crate::same_answer::{Source, differences, hard};
@@ -44,6 +44,27 @@ fn stop_at_the_first_hit() {
     let octree = Builder::new().build(&mesh).expect("a mesh that builds");
     under::<Standard>(&octree, &hard(&mesh), 61).passes("the walk on, P2", 0.05);
     under::<FirstHit>(&octree, &hard(&mesh), 61).catches("stop at the first hit");
+}
+
+#[derive(Clone, Copy)]
+struct Trusting;
+impl Policy for Trusting {
+    const TRUSTS_LEAVES: bool = true;
+}
+
+#[test]
+fn known_leaves_trusted() {
+    fn check<P: Policy + Sync>(octree: &Octree<Vec<u32>>, source: Source<'_>) -> Tally {
+        let parts = octree.parts();
+        let slab = SteppingFrom::<Slab, P>::new(&parts);
+        let pluecker = SteppingFrom::<Pluecker, P>::new(&parts);
+        let tracers: [Named<'_>; 2] = [("slab steps", &slab), ("Plücker steps", &pluecker)];
+        differences(&tracers, &Every::<f32>::of(octree), source, scaled(RAYS), 70)
+    }
+    let mesh = meshes::soup(1000, 70);
+    let octree = Builder::new().build(&mesh).expect("a mesh that builds");
+    check::<Standard>(&octree, &hard(&mesh)).passes("known leaves looked at, P2", 0.05);
+    check::<Trusting>(&octree, &hard(&mesh)).catches("known leaves trusted");
 }
 
 /// From 1e5 to 1e7 sizes away.

@@ -4,7 +4,7 @@ use leafwalk_core::contract::PADDING;
 use leafwalk_core::lanes::{Bits as _, Mask as _};
 use leafwalk_core::layout::{Block, Child, LINK_NONE, NONE};
 use leafwalk_core::step::{Cell, Slab, Step as _, cross, link_kind, neighbour};
-use leafwalk_core::{Nearest, Parts, unroll};
+use leafwalk_core::{Leaf, Nearest, Parts, unroll};
 
 use super::{Pending, Visit};
 use crate::lanes::Eight;
@@ -60,21 +60,19 @@ impl Group {
         listing: 0,
     };
 
-    /// A ray of a packet starts in a lane that has none, at a point of the root.
+    /// A ray of a packet starts in a lane that has none, in the cell of a record.
     #[inline(always)]
     pub(super) fn start(
         &mut self,
         lane: usize,
-        parts: &Parts<'_>,
         packet: &Packet,
         from: usize,
-        start: [f32; 3],
         end: f32,
+        (record, Cell { corner, size }): (u32, Cell<f32>),
     ) {
         self.rays.set_ray(lane, packet, from);
         self.index[lane] = packet.first + from as u32;
         (self.end[lane], self.t[lane], self.primitive[lane]) = (end, packet.t_max[from], NONE);
-        let (record, Cell { corner, size }) = parts.locate(start, packet.neg[from]);
         (self.record[lane], self.size[lane]) = (record, size);
         for k in 0..3 {
             self.corner[k][lane] = corner[k];
@@ -191,10 +189,15 @@ impl Group {
         Nearest { t_min, t, u: self.u[lane], v: self.v[lane], primitive }
     }
 
-    /// Brings the rays into their next cells and asks for the records of these; answers the rays that end, and gives their
-    /// lanes.
+    /// Brings the rays into their next cells and asks for the records of these; answers the rays that end, tells the leaves
+    /// where they do as far as there is room, and gives their lanes.
     #[inline(always)]
-    pub(super) fn step<L: Eight, Q: Query>(&mut self, parts: &Parts<'_>, answers: &mut [Q::Answer]) -> u32 {
+    pub(super) fn step<L: Eight, Q: Query>(
+        &mut self,
+        parts: &Parts<'_>,
+        answers: &mut [Q::Answer],
+        ends: &mut [Leaf],
+    ) -> u32 {
         if self.busy == 0 {
             return 0;
         }
@@ -214,6 +217,7 @@ impl Group {
             neighbour(&parts.records[self.record[lane] as usize], faces[lane])
         });
         let (record, cell) = cross::<L, Slab>(&line, &cell, &exit, head, load_integers::<L>(&next));
+        let left_behind = self.record;
         self.record = integers::<L>(record & L::indicator(has_next).spread());
         self.corner = unroll!(k in 0..3 => integers::<L>(cell.corner[k]));
         self.size = integers::<L>(cell.size);
@@ -226,7 +230,11 @@ impl Group {
         while left != 0 {
             let lane = left.trailing_zeros() as usize & 7;
             left &= left - 1;
-            answers[self.index[lane] as usize] = Q::answer(&self.rays.clocks.get(lane), &self.nearest(lane));
+            let index = self.index[lane] as usize;
+            answers[index] = Q::answer(&self.rays.clocks.get(lane), &self.nearest(lane));
+            if let Some(end) = ends.get_mut(index) {
+                *end = Leaf(left_behind[lane]);
+            }
         }
         ended
     }

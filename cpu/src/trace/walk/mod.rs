@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! for each ray that comes in:
-//!     a lane is free:  the ray starts there, in the leaf where it enters the hull
+//!     a lane is free:  the ray starts there, in the leaf where it enters the hull, or the one that is known to hold it
 //!     no lane is free: rounds are made until one is
 //! a round, each line for all groups of eight:
 //!     look at the cells' records; ask for the payloads of those that list anything
@@ -17,14 +17,16 @@
 //! 1. Eight rays step at once, and a ray that ends makes room for the next, so that no lane waits for another's end.
 //! 2. Several groups are under way, and what a group reads next was asked for while the others had their turn.
 //! 3. The exit face is the nearest of three planes, not one that a table of signs gives.
-//! 4. A walk starts where the ray enters the hull, by the entry grid, and ends where it leaves the hull.
+//! 4. A walk starts where the ray enters the hull, by the entry grid unless the caller knows the leaf, and ends where it
+//!    leaves the hull.
 //! 5. Triangles come in blocks of eight, whose boxes are tested first: there one ray takes all lanes.
 
 mod group;
 
-use leafwalk_core::Parts;
 use leafwalk_core::layout::Block;
 use leafwalk_core::start::Span;
+use leafwalk_core::{Leaf, Parts};
+use rayon::prelude::*;
 
 use super::bvh::BlockSource;
 use super::packet::Packet;
@@ -56,6 +58,27 @@ struct Pending {
     part: (f32, f32),
 }
 
+/// The leaves of a batch, in the order of its rays; by default nothing is known, and nothing asked for.
+#[derive(Default)]
+pub(crate) struct Leaves<'a> {
+    /// Where rays may start. Of those beyond its end nothing is known.
+    pub(crate) known: &'a [Leaf],
+    /// Where walks end, as far as it has room. [`Leaf::UNKNOWN`] for a ray without a walk.
+    pub(crate) ends: &'a mut [Leaf],
+}
+
+impl<'a> Leaves<'a> {
+    /// Those of each so many rays of a batch.
+    pub(crate) fn par_chunks(self, size: usize, rays: usize) -> impl IndexedParallelIterator<Item = Leaves<'a>> {
+        let missing = |chunks: usize| (chunks..rays.div_ceil(size)).into_par_iter();
+        let (known, ends) = (self.known.par_chunks(size), self.ends.par_chunks_mut(size));
+        let (without_known, without_ends) = (missing(known.len()), missing(ends.len()));
+        let known = known.chain(without_known.map(|_| [].as_slice()));
+        let ends = ends.chain(without_ends.map(|_| [].as_mut_slice()));
+        known.zip(ends).map(|(known, ends)| Leaves { known, ends })
+    }
+}
+
 /// Rays under way.
 pub(crate) struct Walk {
     groups: Box<[Group; GROUPS]>,
@@ -84,10 +107,11 @@ impl Walk {
         hull: &[[f32; 3]; 2],
         packet: Option<&mut Packet>,
         answers: &mut [Q::Answer],
+        Leaves { known, ends }: &mut Leaves<'_>,
     ) {
         let Some(packet) = packet else {
             while self.free != ALL {
-                self.round::<L, B, Q>(parts, blocks, answers);
+                self.round::<L, B, Q>(parts, blocks, answers, ends);
             }
             return;
         };
@@ -97,20 +121,28 @@ impl Walk {
         packet.keep(span.is_met);
         while packet.waiting() != 0 {
             if self.free == 0 {
-                self.round::<L, B, Q>(parts, blocks, answers);
+                self.round::<L, B, Q>(parts, blocks, answers, ends);
                 continue;
             }
             let lane = self.free.trailing_zeros() as usize;
             self.free &= self.free - 1;
             let from = packet.next();
+            let leaf = known.get(packet.first as usize + from).copied().unwrap_or_default();
             let start = [start[0][from], start[1][from], start[2][from]];
-            self.groups[lane / 8 % GROUPS].start(lane % 8, parts, packet, from, start, end[from]);
+            let place = parts.locate(start, packet.neg[from], leaf);
+            self.groups[lane / 8 % GROUPS].start(lane % 8, packet, from, end[from], place);
         }
     }
 
     /// Brings each ray through its cell into the next.
     #[inline(always)]
-    fn round<L: Eight, B: BlockSource, Q: Query>(&mut self, parts: &Parts<'_>, blocks: &B, answers: &mut [Q::Answer]) {
+    fn round<L: Eight, B: BlockSource, Q: Query>(
+        &mut self,
+        parts: &Parts<'_>,
+        blocks: &B,
+        answers: &mut [Q::Answer],
+        ends: &mut [Leaf],
+    ) {
         let Self { groups, free, pending, visits, room } = self;
         for group in groups.iter_mut() {
             group.look::<L>(parts);
@@ -124,7 +156,7 @@ impl Walk {
             group.visit::<L, B, Q>(*lane as usize % 8, blocks, *block, *first, room);
         }
         for (number, group) in groups.iter_mut().enumerate() {
-            *free |= group.step::<L, Q>(parts, answers) << (8 * number);
+            *free |= group.step::<L, Q>(parts, answers, ends) << (8 * number);
         }
     }
 }
