@@ -39,8 +39,9 @@
 //! Every backend is a [`Tracer`] of batches: [`CpuTracer`] and, with the feature `gpu`, `gpu::GpuTracer`. Octrees are
 //! kept in files by [`save_octree`] and [`load_octree`]; with the feature `mesh-files`, `load_mesh` reads OBJ, PLY and
 //! STL files. With the feature `serde`, [`Mesh`], [`Stats`], [`Aabb`], [`Hit`] and [`Ray`] are written and read by serde
-//! without the loss of a bit. The feature `cli`, a default, is for the command `leafwalk` alone: a library that depends on
-//! this one leaves it out by `default-features = false`.
+//! without the loss of a bit. With the feature `structures` come the structures that leafwalk is compared with. The
+//! feature `cli`, a default, is for the command `leafwalk` alone: a library that depends on this one leaves it out by
+//! `default-features = false`.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
@@ -58,6 +59,8 @@ pub use leafwalk_core::{
     LengthMismatch, Octree, Parts, Ray, RayF64, RecordFault, Stats, Tracer, Walk, Work, geometric_normal, hit_hash,
     layout, one_by_one, wire,
 };
+#[cfg(feature = "structures")]
+pub use leafwalk_cpu::structures;
 pub use leafwalk_cpu::{
     BruteForce, BuildError, Builder, CpuTracer, Mesh, MeshRef, Progress, Verified, VerifyError, Way, verify,
     verify_against,

@@ -28,6 +28,8 @@ mod brute_force;
 mod build;
 mod lanes;
 mod mesh;
+#[cfg(feature = "structures")]
+pub mod structures;
 #[doc(hidden)]
 pub mod testing;
 mod trace;

@@ -8,6 +8,7 @@
 //! | [`edited`] | the words of an octree, to be spoiled section by section |
 //! | [`tracers`] | tracers that differ from those that serve, and tracers with names |
 //! | [`number`] | f32 with its arithmetic broken in one place |
+//! | [`differences`] | where tracers differ from one that is right |
 //! | [`tally`] | what a check of many rays found, and how many rays it takes |
 //! | [`truth`] | what rays hit, decided exactly on the caller's own mesh, and what is to be said of an answer |
 //! | [`wide`] | scenes whose extent is far larger than what is looked at |
@@ -17,6 +18,7 @@
 //! The package is not published. It sees `leafwalk-core` and `leafwalk-cpu` alone, so that the packages above them can
 //! depend on it in their tests.
 
+pub mod differences;
 pub mod edited;
 pub mod listing;
 pub mod meshes;

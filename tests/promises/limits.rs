@@ -3,13 +3,12 @@
 use leafwalk::{BruteForce, Builder, CpuTracer, Hit, Mesh, Ray, Tracer};
 use leafwalk_core::step::Slab;
 use leafwalk_core::testing::{Policy, Standard};
+use leafwalk_testing::differences::Source;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::rays::{Target, extent, hex, point_on, towards};
 use leafwalk_testing::tally::{Tally, scaled, tally};
 use leafwalk_testing::tracers::{Named, Stepping};
 use leafwalk_testing::{meshes, rays};
-
-use crate::same_answer::Source;
 
 const RAYS: u64 = 4_000;
 

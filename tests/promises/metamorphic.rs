@@ -1,12 +1,11 @@
 //! What must not change when the input changes in a way that means nothing.
 
 use leafwalk::{Builder, Hit, Mesh, Octree, Ray};
+use leafwalk_testing::differences::hard;
 use leafwalk_testing::meshes;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::rays::hex;
 use leafwalk_testing::tally::{bits, scaled, tally};
-
-use crate::same_answer::hard;
 
 const RAYS: u64 = 20_000;
 

@@ -6,13 +6,13 @@ use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use glam::DVec3;
 use leafwalk::{Frame, Hit, Mesh, Ray};
 use leafwalk_core::contract::ROUNDOFF;
+use leafwalk_testing::differences::{Source, hard};
 use leafwalk_testing::random::Random;
 use leafwalk_testing::tally::{Tally, scaled, tally};
 use leafwalk_testing::tracers::Any;
 use leafwalk_testing::{meshes, rays};
 
 use crate::geometry::{corners, point};
-use crate::same_answer::{Source, hard};
 use crate::scenes::{self, Scene};
 
 /// How far the point `origin + t * direction` and the barycentric point of a hit may lie from each other, in roundoffs

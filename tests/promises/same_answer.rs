@@ -4,61 +4,14 @@ use leafwalk::{Builder, CpuTracer, Hit, Leaf, Mesh, Octree, Ray, Tracer, Walk};
 use leafwalk_core::step::{Pluecker, Slab};
 use leafwalk_core::testing::Standard;
 use leafwalk_cpu::testing;
+use leafwalk_testing::differences::{differences, hard};
 use leafwalk_testing::random::Random;
 use leafwalk_testing::rays::Shared;
-use leafwalk_testing::tally::{Tally, bits, scaled, tally};
-use leafwalk_testing::tracers::{Any, LanesFrom, Named, OneByOne, Stepping, SteppingFrom, told};
+use leafwalk_testing::tally::{bits, scaled};
+use leafwalk_testing::tracers::{LanesFrom, Named, OneByOne, Stepping, SteppingFrom, told};
 use leafwalk_testing::{meshes, rays};
 
 use crate::scenes::{self, Scene};
-
-/// A ray of numbers that depend on nothing but the seed and the index.
-pub(crate) type Source<'a> = &'a (dyn Fn(&mut Random) -> Ray + Sync);
-
-/// Rays of every hard kind at a mesh.
-pub(crate) fn hard(mesh: &Mesh) -> impl Fn(&mut Random) -> Ray + Sync + use<'_> {
-    let (centre, size) = rays::extent(mesh);
-    move |random: &mut Random| rays::hard(mesh, centre, size, random)
-}
-
-/// The rays on which a tracer differs from another that is right; half of the hits are traced with the ray cut next to
-/// them instead.
-pub(crate) fn differences(tracers: &[Named<'_>], oracle: Any<'_>, source: Source<'_>, count: u64, seed: u64) -> Tally {
-    tally(count, |indices, tally| {
-        let mut randoms: Vec<Random> = indices.clone().map(|index| Random::new(seed, index)).collect();
-        let mut rays: Vec<Ray> = randoms.iter_mut().map(source).collect();
-        let mut expected = vec![Hit::MISS; rays.len()];
-        let mut found = expected.clone();
-        let mut occluded = vec![false; rays.len()];
-        oracle.closest_hits(&rays, &mut expected).expect("equal lengths");
-        // Cut twice, a ray may be left with the gap between two hits.
-        for _ in 0..2 {
-            for ((ray, hit), random) in rays.iter_mut().zip(&mut expected).zip(&mut randoms) {
-                if !hit.is_miss() && random.below(3) == 0 {
-                    *ray = rays::cut(ray, hit.t, random);
-                    oracle.closest_hits(&[*ray], core::slice::from_mut(hit)).expect("equal lengths");
-                }
-            }
-        }
-        for hit in &expected {
-            tally.hit(!hit.is_miss());
-        }
-        for (name, tracer) in tracers {
-            tracer.closest_hits(&rays, &mut found).expect("equal lengths");
-            tracer.occlusions(&rays, &mut occluded).expect("equal lengths");
-            for (i, index) in indices.clone().enumerate() {
-                if bits(&found[i]) != bits(&expected[i]) || occluded[i] == expected[i].is_miss() {
-                    tally.fault(index, || {
-                        let (found, occluded, expected) = (found[i], occluded[i], expected[i]);
-                        let ray = rays::hex(&rays[i]);
-                        let place = format!("{name}, seed {seed}, ray {index}");
-                        format!("{place}: {found:?}, occluded {occluded}, expected {expected:?}\n{ray}")
-                    });
-                }
-            }
-        }
-    })
-}
 
 /// The octree, walked by both kinds of step and descended in all ways, against testing every triangle.
 fn compare(name: &str, mesh: &Mesh, count: u64, seed: u64) {

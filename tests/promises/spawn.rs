@@ -6,12 +6,12 @@ use glam::{DVec3, Vec3};
 use leafwalk::{CpuTracer, Frame, Hit, Mesh, Octree, Ray, Tracer};
 use leafwalk_core::contract::ROUNDOFF;
 use leafwalk_core::triangle::{Shear, intersect};
+use leafwalk_testing::differences::hard;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::tally::{Tally, scaled, tally};
 use leafwalk_testing::{meshes, rays};
 
 use crate::geometry::{corners, point};
-use crate::same_answer::hard;
 use crate::scenes::{self, Scene};
 
 /// How rays leave a hit: [`Hit::spawn`], or a mutant of it.

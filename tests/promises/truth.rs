@@ -7,6 +7,7 @@ use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use leafwalk::{Builder, CpuTracer, Hit, HitF64, Mesh, Octree, Ray, RayF64};
 use leafwalk_core::contract::SMALLEST_SHEARED;
 use leafwalk_core::layout::LATTICE;
+use leafwalk_testing::differences::Source;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::tally::{Tally, scaled, tally};
 use leafwalk_testing::tracers::Any;
@@ -15,7 +16,6 @@ use leafwalk_testing::utm::{self, Utm};
 use leafwalk_testing::{meshes, rays, wide, workloads};
 
 use crate::geometry::{corners, point};
-use crate::same_answer::Source;
 use crate::scenes;
 
 /// What is only counted.

@@ -35,6 +35,8 @@ use leafwalk_core::Octree;
 pub use error::BuildError;
 pub use monitor::Progress;
 pub(crate) use normalise::{NonFinite, Normalised, normalise, normalise_with};
+#[cfg(feature = "structures")]
+pub(crate) use overlap::Overlap;
 pub(crate) use overlap::Split;
 pub(crate) use part::box_inside;
 pub use settings::Spoiled;

@@ -35,7 +35,7 @@ impl Overlap {
 
     /// Whether no edge cross axis and not the plane separates the triangle from a box. The box's own axes are the
     /// caller's to test; a triangle that touches passes.
-    fn meets(&self, centre: DVec3, half: DVec3) -> bool {
+    pub(crate) fn meets(&self, centre: DVec3, half: DVec3) -> bool {
         let [a, b, c] = self.corners.map(|corner| corner - centre);
         let reach = half.dot(self.normal.abs()) * SLACK + self.normal_error;
         if self.normal.dot(a).abs() > reach {

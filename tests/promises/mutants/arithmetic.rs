@@ -1,6 +1,7 @@
 //! Mutants of the triangle test.
 
 use leafwalk::{Mesh, Octree};
+use leafwalk_testing::differences::{differences, hard};
 use leafwalk_testing::meshes;
 use leafwalk_testing::number::{Arithmetic, Fused, Lax, Number, Plain, Sound};
 use leafwalk_testing::rays::Target;
@@ -8,7 +9,6 @@ use leafwalk_testing::tally::Tally;
 use leafwalk_testing::tracers::{Every, Visited};
 
 use crate::oracle;
-use crate::same_answer::{differences, hard};
 use crate::scenes::Scene;
 use crate::watertight::{Depth, aimed, inside, misses};
 

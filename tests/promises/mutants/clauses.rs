@@ -4,13 +4,13 @@ use leafwalk::{Builder, CpuTracer, Mesh, Octree, Ray};
 use leafwalk_core::step::{Pluecker, Slab};
 use leafwalk_core::testing::{Policy, Standard};
 use leafwalk_cpu::testing::{self, Spoiled, spoil};
+use leafwalk_testing::differences::{Source, differences, hard};
 use leafwalk_testing::random::Random;
 use leafwalk_testing::rays::{Shared, Target, extent, point_on};
 use leafwalk_testing::tally::{Tally, scaled};
 use leafwalk_testing::tracers::{Every, Named, OneByOne, Stepping, SteppingFrom};
 use leafwalk_testing::{meshes, rays};
 
-use crate::same_answer::{Source, differences, hard};
 use crate::watertight::{Depth, aimed, inside, misses};
 
 const RAYS: u64 = 20_000;

@@ -4,13 +4,13 @@
 use leafwalk::{Octree, Ray};
 use leafwalk_core::testing::Standard;
 use leafwalk_cpu::testing::Spoiled;
+use leafwalk_testing::differences::Source;
 use leafwalk_testing::random::Random;
 use leafwalk_testing::rays::towards;
 use leafwalk_testing::tally::Tally;
 
 use super::clauses::{in_lanes, under};
 use super::lattice::{CORNERS, on_lattice, steps};
-use crate::same_answer::Source;
 
 /// Leaves of 1/16 of the root.
 const LEVEL: u32 = 4;

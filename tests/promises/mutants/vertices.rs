@@ -1,12 +1,11 @@
 //! Mutants of compact octrees: one vertex number off.
 
 use leafwalk::{Builder, CpuTracer};
+use leafwalk_testing::differences::{differences, hard};
 use leafwalk_testing::edited::Edited;
 use leafwalk_testing::meshes;
 use leafwalk_testing::tally::scaled;
 use leafwalk_testing::tracers::{Every, Named, OneByOne};
-
-use crate::same_answer::{differences, hard};
 
 #[test]
 fn one_vertex_number_off() {

@@ -1,0 +1,3 @@
+//! The structures that leafwalk is compared with.
+
+mod same_answer;
