@@ -3,10 +3,10 @@
 use leafwalk_core::{Hit, Ray, Tracer};
 use leafwalk_cpu::Mesh;
 
-use super::random::Random;
 use super::rays;
 use super::tally::{Tally, bits, tally};
 use super::tracers::{Any, Named};
+use crate::random::Random;
 
 /// A ray of numbers that depend on nothing but the seed and the index.
 pub type Source<'a> = &'a (dyn Fn(&mut Random) -> Ray + Sync);

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use glam::Vec3;
 use leafwalk_cpu::Mesh;
 
-use super::random::Random;
+use crate::random::Random;
 
 /// An icosahedron with every triangle split into four, `levels` times, on the unit sphere.
 pub fn icosphere(levels: u32) -> Mesh {

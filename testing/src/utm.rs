@@ -5,7 +5,7 @@ use leafwalk_core::RayF64;
 use leafwalk_cpu::Mesh;
 
 use super::meshes;
-use super::random::Random;
+use crate::random::Random;
 
 /// Where all scenes are, in metres: easting, northing, height.
 pub const PLACE: DVec3 = DVec3::new(500_000.123_456, 4_500_000.004, 47.11);

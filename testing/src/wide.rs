@@ -5,8 +5,8 @@ use glam::Vec3;
 use leafwalk_core::Ray;
 use leafwalk_cpu::Mesh;
 
-use super::random::Random;
 use super::{meshes, rays};
+use crate::random::Random;
 
 /// A mesh, and rays at what is looked at.
 pub struct Wide {

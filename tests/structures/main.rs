@@ -1,3 +1,9 @@
 //! The structures that leafwalk is compared with.
 
-mod same_answer;
+mod bsp;
+mod bvh;
+mod comparison;
+mod every;
+mod octrees;
+mod primitives;
+mod triangles;

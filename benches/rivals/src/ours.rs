@@ -41,6 +41,11 @@ pub fn all<'a>(octree: &'a Octree<Vec<u32>>, compact: &'a Octree<Vec<u32>>) -> V
     ]
 }
 
+/// Any tracer with its own hits.
+pub fn any(name: &'static str, tracer: impl Tracer + 'static, bytes: usize) -> Box<dyn Rival> {
+    Box::new(Ours { name, tracer, bytes })
+}
+
 fn ours<'a>(name: &'static str, octree: &Octree<Vec<u32>>, tracer: impl Tracer + 'a) -> Box<dyn Rival + 'a> {
     Box::new(Ours { name, tracer, bytes: size_of_val(octree.as_words()) })
 }

@@ -22,17 +22,26 @@
 //! ```
 
 mod bounds;
+pub mod bsp;
+pub mod bvh;
 mod every;
+mod input;
 mod line;
+pub mod octrees;
+pub mod primitives;
+mod refit_error;
 mod scene;
 mod structure;
 mod traced;
 pub mod triangles;
 
 pub use bounds::Bounds;
+pub use bsp::Bsp;
+pub use bvh::Bvh;
 pub use every::Every;
 pub use line::Line;
+pub use refit_error::RefitError;
 pub use scene::Scene;
-pub use structure::{Search, Structure};
+pub use structure::{Refit, Search, Structure};
 pub use traced::Traced;
 pub use triangles::{Exact, TriangleTest};

@@ -26,6 +26,13 @@ pub trait Structure: Sized + Send + Sync {
     fn bytes(&self) -> usize;
 }
 
+/// A structure that can follow vertices that move.
+pub trait Refit: Structure {
+    /// Fits it to a scene of the same triangles, in the same order, with other corners: it leads rays past them as surely as
+    /// one built anew, though not as fast if they moved far.
+    fn refit(&mut self, scene: &Scene);
+}
+
 /// What a structure leads along a ray.
 pub trait Search {
     /// Tests some of the triangles that the structure lists, given by their places in [`Structure::listed`].

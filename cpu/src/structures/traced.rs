@@ -2,15 +2,14 @@
 
 use core::ops::Range;
 
-use glam::Vec3;
-use leafwalk_core::contract::BOX_MARGIN;
 use leafwalk_core::{CanonicalRay, Clock, Frame, Hit, LengthMismatch, Nearest, Ray, Tracer, one_by_one};
 
+use super::input::Input;
 use super::line::Line;
-use super::scene::Scene;
-use super::structure::{Search, Structure};
+use super::refit_error::RefitError;
+use super::structure::{Refit, Search, Structure};
 use super::triangles::{InCallersUnits, Meeting, TriangleTest};
-use crate::{BruteForce, BuildError, MeshRef, testing};
+use crate::{BuildError, MeshRef};
 
 /// A clock for rays whose numbers are the caller's.
 const CALLERS: Clock = Clock { entry: 0.0, unit: 1.0 };
@@ -33,34 +32,26 @@ impl<S: Structure, T: TriangleTest> Traced<S, T> {
     /// # Errors
     /// For the meshes that [`crate::Builder`] refuses.
     pub fn conservative<'a>(mesh: impl Into<MeshRef<'a>>, settings: &S::Settings) -> Result<Self, BuildError> {
-        let oracle = BruteForce::new(mesh)?;
-        let (frame, triangles) = (*testing::frame(&oracle), testing::triangles(&oracle));
-        let corners = triangles.iter().map(|triangle| triangle.corners).collect::<Vec<_>>();
-        let within = corners.iter().map(|corners| corners.map(|corner| frame.to_root(corner).into())).collect();
-        let primitives = triangles.iter().map(|triangle| triangle.primitive).collect();
-        let scene = Scene { corners: within, margin: BOX_MARGIN };
-        Ok(Self::new(&scene, settings, Some(frame), &corners, primitives))
+        let input = Input::conservative(mesh.into())?;
+        Ok(Self::over(S::build(&input.scene, settings), &input))
     }
 
-    fn new(
-        scene: &Scene,
-        settings: &S::Settings,
-        frame: Option<Frame>,
-        corners: &[[[f32; 3]; 3]],
-        primitives: Vec<u32>,
-    ) -> Self {
-        let structure = S::build(scene, settings);
-        let triangles =
-            |order: &mut dyn Iterator<Item = u32>| order.map(|i| T::triangle(&corners[i as usize])).collect();
-        match S::COPIES {
-            true => Self {
-                triangles: triangles(&mut structure.listed().iter().copied()),
-                primitives: structure.listed().iter().map(|i| primitives[*i as usize]).collect(),
-                structure,
-                frame,
-            },
-            false => Self { triangles: triangles(&mut (0..corners.len() as u32)), primitives, structure, frame },
-        }
+    fn over(structure: S, input: &Input) -> Self {
+        let mut traced = Self { structure, frame: None, triangles: Vec::new(), primitives: Vec::new() };
+        traced.take(input);
+        traced
+    }
+
+    fn take(&mut self, input: &Input) {
+        let triangle = |i: &u32| T::triangle(&input.corners[*i as usize]);
+        self.frame = input.frame;
+        (self.triangles, self.primitives) = match S::COPIES {
+            true => (
+                self.structure.listed().iter().map(triangle).collect(),
+                self.structure.listed().iter().map(|i| input.primitives[*i as usize]).collect(),
+            ),
+            false => (input.corners.iter().map(T::triangle).collect(), input.primitives.clone()),
+        };
     }
 
     /// The structure.
@@ -114,13 +105,30 @@ impl<S: Structure, T: InCallersUnits> Traced<S, T> {
     /// # Errors
     /// For the meshes that [`crate::Builder`] refuses.
     pub fn as_published<'a>(mesh: impl Into<MeshRef<'a>>, settings: &S::Settings) -> Result<Self, BuildError> {
+        let input = Input::as_published(mesh.into())?;
+        Ok(Self::over(S::build(&input.scene, settings), &input))
+    }
+}
+
+impl<S: Refit, T: TriangleTest> Traced<S, T> {
+    /// Follows vertices that moved, in the way of handling that it was made for.
+    ///
+    /// # Errors
+    /// If the mesh can't be built, or has other triangles than the one that this was made over; nothing is changed then.
+    pub fn refit<'a>(&mut self, mesh: impl Into<MeshRef<'a>>) -> Result<(), RefitError> {
         let mesh = mesh.into();
-        let oracle = BruteForce::new(mesh)?;
-        let primitives: Vec<u32> = testing::triangles(&oracle).iter().map(|triangle| triangle.primitive).collect();
-        let corners_of = |primitive: &u32| mesh.corners(*primitive as usize).map(|corner| corner.map(|c| c as f32));
-        let corners: Vec<[[f32; 3]; 3]> = primitives.iter().map(corners_of).collect();
-        let scene = Scene { corners: corners.iter().map(|corners| corners.map(Vec3::from)).collect(), margin: 0.0 };
-        Ok(Self::new(&scene, settings, None, &corners, primitives))
+        let input = match self.frame {
+            Some(_) => Input::conservative(mesh),
+            None => Input::as_published(mesh),
+        };
+        let input = input.map_err(RefitError::Build)?;
+        let [found, expected] = [input.primitives.len(), self.primitives.len()];
+        if found != expected {
+            return Err(RefitError::OtherTriangles { found, expected });
+        }
+        self.structure.refit(&input.scene);
+        self.take(&input);
+        Ok(())
     }
 }
 

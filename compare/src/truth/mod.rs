@@ -14,6 +14,8 @@ mod exact;
 mod hierarchy;
 mod line;
 mod passing;
+#[cfg(test)]
+mod second;
 
 use core::cmp::Ordering;
 
@@ -156,8 +158,9 @@ mod tests {
     use leafwalk_cpu::Mesh;
 
     use super::*;
-    use crate::random::Random;
-    use crate::{meshes, rays, wide};
+    // Rays and numbers of the instance of this package that makes the scenes.
+    use leafwalk_testing::random::Random;
+    use leafwalk_testing::{meshes, rays, wide};
 
     /// The closest hit by integers alone, among all triangles.
     fn by_integers(oracle: &Oracle, ray: &Ray) -> Option<(f64, Vec<u32>)> {
@@ -225,6 +228,35 @@ mod tests {
         for scene in wide::all().iter().filter(|scene| scene.mesh.triangles.len() < 100) {
             let ray = |index| scene.ray(&mut Random::new(78, index));
             check(&Oracle::new(&scene.mesh), &(0..200).map(ray).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn a_second_oracle_says_the_same() {
+        let scenes = [
+            meshes::icosphere(2),
+            meshes::needle_box(20),
+            meshes::soup(200, 174),
+            meshes::placed(&meshes::icosphere(2), 1.0, 1e6),
+        ];
+        for (seed, mesh) in (175..).zip(&scenes) {
+            let (centre, size) = rays::extent(mesh);
+            let oracle = Oracle::new(mesh);
+            let mut hits = 0;
+            for index in 0..200 {
+                let ray = rays::hard(mesh, centre, size, &mut Random::new(seed, index));
+                let (found, expected) = (oracle.closest(&ray), second::closest(&oracle, &ray.into()));
+                assert!(
+                    second::agrees(found.as_ref(), expected.as_ref()),
+                    "{found:?}, {expected:?}, {}",
+                    rays::hex(&ray)
+                );
+                hits += u32::from(found.is_some());
+                // It would notice a hit that is another.
+                let other = found.map(|hit| Hit { primitive: hit.primitive + 1, ..hit });
+                assert!(other.is_none() || !second::agrees(other.as_ref(), expected.as_ref()), "{}", rays::hex(&ray));
+            }
+            assert!(hits > 20, "{hits} hits test too little");
         }
     }
 
