@@ -61,7 +61,7 @@ fn memory_is_bounded() {
     }
 }
 
-/// A plane takes what lies in it off both sides: a heap of one triangle is one node with two empty children.
+/// A plane takes what lies in it off both sides: a heap of one triangle is a node with two empty children.
 #[test]
 fn what_lies_in_a_plane_is_listed_once() {
     let (_, heap) = unruly().swap_remove(0);

@@ -40,13 +40,11 @@ impl Division {
         self.behind + self.before + self.within - all
     }
 
-    /// What a line costs that comes to the cell, if the sides are leaves. It comes to a side as likely as the surfaces say, and
-    /// through what they share, which has two faces, as well. It is least where few triangles are cut, and either many
-    /// are on a small side or about as many on each.
-    fn cost(&self, cell: &Cell, halves: &Halves) -> f32 {
-        let all = cell.area();
+    /// What a line costs that comes to a cell of some surface, if both sides are leaves. As likely as their surfaces say it
+    /// comes to them, and through what they share, which has two faces.
+    fn cost(&self, surface: f64, halves: &Halves) -> f32 {
         let tests = |count: usize, area: f64| {
-            let share = area / all;
+            let share = area / surface;
             count as f32 * if share.is_finite() { share as f32 } else { 1.0 }
         };
         STEP + tests(self.behind, halves.behind.area())
@@ -62,7 +60,7 @@ impl Division {
 
 impl Builder<'_> {
     /// Adds a node and what is below it: at most `DEPTH` levels in all, of which `depth` are above, and with at most `copies`
-    /// triangles listed once more than in the node.
+    /// places listed beyond one for each triangle.
     fn node(&mut self, triangles: Vec<u32>, cell: &Cell, depth: usize, copies: usize) -> u32 {
         let place = self.bsp.nodes.len();
         self.bsp.nodes.push(Node::Leaf([0, 0]));
@@ -116,6 +114,7 @@ impl Builder<'_> {
     /// The plane that costs least, the first of equals, if one costs less than to test all triangles.
     fn choose(&self, triangles: &[u32], cell: &Cell, copies: usize) -> Option<(Plane, Division)> {
         let all = triangles.len();
+        let surface = cell.area();
         let tried = self.settings.candidates.clamp(1, all);
         let mut best = None;
         let mut least = all as f32;
@@ -124,7 +123,7 @@ impl Builder<'_> {
             for plane in self.planes_of(&self.scene.corners[candidate as usize]) {
                 let division = self.division(&plane, triangles);
                 if division.divides(all) && division.cut(all) <= copies {
-                    let cost = division.cost(cell, &cell.cut(&plane));
+                    let cost = division.cost(surface, &cell.cut(&plane));
                     if cost < least {
                         (best, least) = (Some((plane, division)), cost);
                     }

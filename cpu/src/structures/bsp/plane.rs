@@ -14,10 +14,10 @@ const THICKNESS: f32 = 16.0 * leafwalk_core::contract::ROUNDOFF;
 
 /// How far a line may seem off a plane that it is not, as a share of the margin, which is 120 roundoffs of the root's edge E.
 ///
-/// A line reaches the root from within E of it, so its origin is within 2 √3 E of the root's corner, and the part that counts
-/// is within 3 √3 E of the origin. In roundoffs of E: the product of normal and origin is off by 3 · 2 √3 = 10.4, the difference to
-/// the offset by 2 √3 + √3 = 5.2; the product of normal and direction by 3 of itself, and so its multiple by 3 · 3 √3 =
-/// 15.6; and the subtraction and the division that give t by 2 · 3 √3 = 10.4. That is 41.6 of 120.
+/// A line reaches the root from within E of it, so that its origin is within 2 √3 E of the root's corner, and also of every
+/// point of the root. In roundoffs of E: the product of normal and origin is off by 3 · 2 √3 = 10.4, the difference to the
+/// offset by 2 √3 + √3 = 5.2; the product of normal and direction by 3 of what it is at most, and so its multiple by 3 · 2 √3 =
+/// 10.4; and the subtraction and the division that give t by 2 · 2 √3 = 7. That is 33 of 120.
 const PLANE_TEST: f32 = 0.5;
 
 /// The points p for which `normal · p` is `offset`.
@@ -85,7 +85,8 @@ impl Plane {
 }
 
 /// Half the thickness of the planes of a scene, and how far beyond a plane lines are followed: its thickness, the margin, and
-/// the error of the cut.
+/// the error of the cut. The thickness is there without a margin as well: what lies in it is in the node's own list, and is as
+/// much a part of the structure.
 pub(super) fn thickness_and_reach(bounds: &Bounds, margin: f32) -> (f32, f32) {
     let largest = bounds.lower.abs().max(bounds.upper.abs()).max_element();
     let thickness = THICKNESS * largest;
