@@ -43,10 +43,13 @@ impl<'a> Sample<'a> {
         Ok(Self::new(oracle, workloads.into_iter().flat_map(|workload| workload.rays).collect()))
     }
 
-    /// Of rays aimed where methods fail.
+    /// Of rays aimed where methods fail, from where they start to infinity: not every tracer has limits.
     pub fn hard(oracle: &'a Oracle, mesh: &Mesh, count: u64, seed: u64) -> Self {
         let (centre, size) = rays::extent(mesh);
-        let ray = |index| rays::hard(mesh, centre, size, &mut Random::new(seed, index));
+        let ray = |index| {
+            let Ray { origin, direction, .. } = rays::hard(mesh, centre, size, &mut Random::new(seed, index));
+            Ray::new(origin, direction)
+        };
         Self::new(oracle, (0..count).map(ray).collect())
     }
 
