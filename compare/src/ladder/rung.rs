@@ -7,11 +7,7 @@ use super::axis::Axis;
 use crate::measure::{Accuracy, Sample};
 use crate::methods::Method;
 use crate::random::Random;
-use crate::rays::extent;
-use crate::truth::{Oracle, Slack};
-
-/// Lengths below this share of a scene's extent are nothing to it: docs/contract.md takes sheared coordinates below it for 0.
-const LEAST_LENGTH: f64 = 1.0 / (1u64 << 54) as f64;
+use crate::truth::Oracle;
 
 /// A step of an axis.
 pub struct Rung {
@@ -54,8 +50,7 @@ impl Rung {
         let built = method.build(&self.mesh)?;
         let mut hits = vec![Hit::MISS; self.rays.len()];
         built.tracer.closest_hits(&self.rays, &mut hits).expect("as many hits as rays");
-        let (_, size) = extent(&self.mesh);
-        let slack = Slack { least: LEAST_LENGTH * f64::from(size), anchor: None };
+        let slack = self.oracle.slack();
         let is_beyond = |(ray, hit): &(&Ray, &Hit)| {
             let answer = (!hit.is_miss()).then_some((hit.t, hit.primitive));
             self.oracle.excess(*ray, answer, &slack).is_fault()

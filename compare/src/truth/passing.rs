@@ -18,6 +18,9 @@ pub const LATERAL_ERROR: f64 = 6.0 * ROUNDOFF as f64;
 /// the corners' depths ("The depth error ez").
 const DEPTH_ERROR: [f64; 2] = [4.0 * ROUNDOFF as f64, 11.0 * ROUNDOFF as f64];
 
+/// Lengths below this share of a scene's extent are nothing to the contract ("The flush of sheared coordinates").
+const LEAST_LENGTH: f64 = 1.0 / (1u64 << 54) as f64;
+
 /// The t that a tracer reports.
 pub trait Distance: Copy + Into<f64> {
     /// Half the distance from 1 to the next number.
@@ -153,6 +156,15 @@ fn inside(corners: &[DVec2; 3]) -> f64 {
 }
 
 impl Oracle {
+    /// What the contract allows over this mesh, for vertices and rays that are not rounded.
+    pub fn slack(&self) -> Slack {
+        let corners = || self.triangles.as_flattened().iter();
+        let lower = corners().fold(DVec3::INFINITY, |lower, corner| lower.min(*corner));
+        let upper = corners().fold(DVec3::NEG_INFINITY, |upper, corner| upper.max(*corner));
+        let extent = (upper - lower).max_element().max(0.0);
+        Slack { least: LEAST_LENGTH * extent, anchor: None }
+    }
+
     /// How far the answer that a ray has its closest hit at `t` on a triangle, or none, is from the truth.
     pub fn excess<R, T>(&self, ray: &R, answer: Option<(T, u32)>, slack: &Slack) -> Excess
     where
