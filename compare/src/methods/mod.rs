@@ -83,8 +83,9 @@ mod tests {
 
     use super::*;
 
-    /// How many of some hard rays at a mesh get another answer than by testing every triangle.
-    fn differing(method: &Method, mesh: &Mesh) -> usize {
+    /// How many of some hard rays at a mesh get other bits than by testing every triangle, and how many a hit for a miss or a
+    /// miss for a hit.
+    fn differing(method: &Method, mesh: &Mesh) -> [usize; 2] {
         let (centre, size) = rays::extent(mesh);
         let rays: Vec<Ray> = (0..2000).map(|i| rays::hard(mesh, centre, size, &mut Random::new(301, i))).collect();
         let mut hits = vec![Hit::MISS; rays.len()];
@@ -92,7 +93,11 @@ mod tests {
         assert!(built.bytes > 0, "{}", method.name);
         built.tracer.closest_hits(&rays, &mut hits).expect("equal lengths");
         let oracle = BruteForce::new(mesh).expect("a mesh that builds");
-        rays.iter().zip(hits).filter(|(ray, hit)| oracle.closest_hit(ray) != hit.ok()).count()
+        let answers: Vec<_> = rays.iter().map(|ray| oracle.closest_hit(ray)).zip(hits.iter().map(Hit::ok)).collect();
+        [
+            answers.iter().filter(|(expected, found)| expected != found).count(),
+            answers.iter().filter(|(expected, found)| expected.is_some() != found.is_some()).count(),
+        ]
     }
 
     #[test]
@@ -106,11 +111,11 @@ mod tests {
         let meshes = [meshes::bumpy_sphere(3, 302), meshes::walls(40, 303)];
         for method in all() {
             for mesh in &meshes {
-                let differing = differing(&method, mesh);
-                if method.handling == Handling::AsPublished {
-                    assert!(differing < 1000, "{}: {differing} of 2000 differ", method.name);
-                } else {
-                    assert_eq!(differing, 0, "{}", method.name);
+                let [bits, misses] = differing(&method, mesh);
+                println!("{}: {bits} differ, {misses} of them in whether anything is hit", method.name);
+                match method.handling {
+                    Handling::AsPublished => assert!(misses < 200, "{}", method.name),
+                    _ => assert_eq!(bits, 0, "{}", method.name),
                 }
             }
         }
