@@ -20,11 +20,16 @@ pub struct Point {
     pub counts: Counts,
 }
 
-const PANEL: (u32, u32) = (560, 460);
+const PANEL: (u32, u32) = (460, 480);
+/// The width of the column that says what the numbers beside marks mean.
+const LEGEND: u32 = 270;
+const LINE: i32 = 14;
 const FONT: (&str, u32) = ("sans-serif", 13);
 const SMALL: (&str, u32) = ("sans-serif", 11);
 /// Half the width of a mark.
 const MARK: i32 = 5;
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 impl Point {
     /// Wrong answers per 10^9 rays, and whether that is only what they are below with 95 % confidence.
@@ -36,22 +41,43 @@ impl Point {
 
 /// Draws panels of (title, points) side by side: millions of rays a second to the right, wrong answers per 10^9 rays upwards,
 /// both logarithmic. Where no answer was wrong, the mark stands where 95 % confidence ends, with an arrow downwards. A line
-/// joins the methods that none beats in both.
+/// joins the methods that none beats in both. Numbers beside marks are those of the legend.
 ///
 /// # Errors
 /// When a panel has no point, or the drawing library fails.
 pub fn speed_and_faults(panels: &[(&str, Vec<Point>)]) -> Result<String, ChartError> {
+    let legend = legend(panels);
     let mut svg = String::new();
     {
-        let size = (PANEL.0 * panels.len() as u32, PANEL.1);
+        let width = PANEL.0 * panels.len() as u32;
+        let size = (width + LEGEND, PANEL.1.max(LINE as u32 * (legend.len() as u32 + 3)));
         let picture = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         picture.fill(&WHITE).map_err(ChartError::new)?;
-        for ((title, points), area) in panels.iter().zip(picture.split_evenly((1, panels.len()))) {
-            draw_panel(title, points, &area)?;
+        let (charts, column) = picture.split_horizontally(width);
+        for ((title, points), area) in panels.iter().zip(charts.split_evenly((1, panels.len()))) {
+            draw_panel(title, points, &legend, &area)?;
+        }
+        for (line, (name, family)) in (0..).zip(&legend) {
+            let y = 20 + LINE * line;
+            let (colour, shape) = style::of(family);
+            mark(&column, (14, y), shape, colour)?;
+            let text = format!("{} {name}", line + 1);
+            column.draw(&Text::new(text, (26, y - 5), SMALL.into_font().color(&colour))).map_err(ChartError::new)?;
         }
         picture.present().map_err(ChartError::new)?;
     }
     Ok(svg)
+}
+
+/// All names, once each, with their families: in the order of the points.
+fn legend<'a>(panels: &'a [(&str, Vec<Point>)]) -> Vec<(&'a str, &'a str)> {
+    let mut legend: Vec<(&str, &str)> = Vec::new();
+    for point in panels.iter().flat_map(|(_, points)| points) {
+        if legend.iter().all(|(name, _)| *name != point.name) {
+            legend.push((&point.name, &point.family));
+        }
+    }
+    legend
 }
 
 /// A power of ten below all values, and one above.
@@ -61,7 +87,7 @@ fn range(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)> {
     (bounds.0 > 0.0 && bounds.1.is_finite()).then_some(bounds)
 }
 
-fn draw_panel(title: &str, points: &[Point], area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), ChartError> {
+fn draw_panel(title: &str, points: &[Point], legend: &[(&str, &str)], area: &Area<'_>) -> Result<(), ChartError> {
     let speeds = range(points.iter().map(|point| point.speed));
     let rates = range(points.iter().map(|point| point.rate().0));
     let (Some(speeds), Some(rates)) = (speeds, rates) else {
@@ -86,10 +112,13 @@ fn draw_panel(title: &str, points: &[Point], area: &DrawingArea<SVGBackend<'_>, 
         .map_err(ChartError::new)?;
     let front = front(points).into_iter().map(|point| (point.speed, point.rate().0));
     chart.draw_series(LineSeries::new(front, BLACK.mix(0.3).stroke_width(2))).map_err(ChartError::new)?;
+    // The chart counts pixels from the picture's corner, what is drawn on the area from the area's.
+    let (left, top) = area.get_pixel_range();
     let mut labels = Vec::new();
     for point in points {
         let (rate, is_bound) = point.rate();
-        let place = chart.backend_coord(&(point.speed, rate));
+        let (x, y) = chart.backend_coord(&(point.speed, rate));
+        let place = (x - left.start, y - top.start);
         let (colour, shape) = style::of(&point.family);
         mark(area, place, shape, colour)?;
         if is_bound {
@@ -99,7 +128,8 @@ fn draw_panel(title: &str, points: &[Point], area: &DrawingArea<SVGBackend<'_>, 
             area.draw(&PathElement::new(shaft, colour)).map_err(ChartError::new)?;
             area.draw(&PathElement::new(head, colour)).map_err(ChartError::new)?;
         }
-        labels.push((place, colour, point.name.as_str()));
+        let number = legend.iter().position(|(name, _)| *name == point.name).map_or(0, |at| at + 1);
+        labels.push((place, colour, number.to_string()));
     }
     draw_labels(area, labels)
 }
@@ -114,12 +144,7 @@ fn front(points: &[Point]) -> Vec<&Point> {
     front
 }
 
-fn mark(
-    area: &DrawingArea<SVGBackend<'_>, Shift>,
-    (x, y): (i32, i32),
-    shape: Shape,
-    colour: RGBColor,
-) -> Result<(), ChartError> {
+fn mark(area: &Area<'_>, (x, y): (i32, i32), shape: Shape, colour: RGBColor) -> Result<(), ChartError> {
     let r = MARK;
     let polygon = |corners: &[(i32, i32)]| {
         let corners: Vec<_> = corners.iter().map(|(i, j)| (x + i, y + j)).collect();
@@ -138,25 +163,17 @@ fn mark(
     drawn.map_err(ChartError::new)
 }
 
-/// Names beside marks, from the top to the bottom, each moved down where it would lie on another.
-fn draw_labels(
-    area: &DrawingArea<SVGBackend<'_>, Shift>,
-    mut labels: Vec<((i32, i32), RGBColor, &str)>,
-) -> Result<(), ChartError> {
+/// Numbers beside marks, from the top to the bottom, each moved down where it would lie on another.
+fn draw_labels(area: &Area<'_>, mut labels: Vec<((i32, i32), RGBColor, String)>) -> Result<(), ChartError> {
     labels.sort_by_key(|((x, y), ..)| (*y, *x));
-    let width = |name: &str| 6 * name.chars().count() as i32;
-    let right = area.dim_in_pixel().0 as i32;
-    let mut taken: Vec<(i32, i32, i32)> = Vec::new();
-    for ((x, y), colour, name) in labels {
-        let left = (x + 9).min(right - width(name) - 4);
-        let ends = left + width(name);
-        let mut top = y - 6;
-        while taken.iter().any(|(from, to, at)| *from < ends && left < *to && (top - at).abs() < 11) {
+    let mut taken: Vec<(i32, i32)> = Vec::new();
+    for ((x, y), colour, number) in labels {
+        let (left, mut top) = (x + MARK + 2, y - 12);
+        while taken.iter().any(|(at, above)| (left - at).abs() < 14 && (top - above).abs() < 10) {
             top += 1;
         }
-        taken.push((left, ends, top));
-        area.draw(&Text::new(name.to_string(), (left, top), SMALL.into_font().color(&colour)))
-            .map_err(ChartError::new)?;
+        taken.push((left, top));
+        area.draw(&Text::new(number, (left, top), SMALL.into_font().color(&colour))).map_err(ChartError::new)?;
     }
     Ok(())
 }
@@ -189,7 +206,7 @@ mod tests {
         let points = vec![point("first", 2.0, 0), point("second", 4.0, 7), point("third", 4.0, 7)];
         let svg = speed_and_faults(&[("typical", points.clone()), ("hard", points)]).expect("a chart");
         for name in ["first", "second", "third"] {
-            assert_eq!(svg.matches(name).count(), 2, "{name} in {svg}");
+            assert_eq!(svg.matches(name).count(), 1, "{name} in {svg}");
         }
         assert!(speed_and_faults(&[("empty", Vec::new())]).is_err());
     }

@@ -93,7 +93,8 @@ mod tests {
         assert!(built.bytes > 0, "{}", method.name);
         built.tracer.closest_hits(&rays, &mut hits).expect("equal lengths");
         let oracle = BruteForce::new(mesh).expect("a mesh that builds");
-        let answers: Vec<_> = rays.iter().map(|ray| oracle.closest_hit(ray)).zip(hits.into_iter().map(|hit| hit.ok())).collect();
+        let answers: Vec<_> =
+            rays.iter().map(|ray| oracle.closest_hit(ray)).zip(hits.into_iter().map(|hit| hit.ok())).collect();
         [
             answers.iter().filter(|(expected, found)| expected != found).count(),
             answers.iter().filter(|(expected, found)| expected.is_some() != found.is_some()).count(),
