@@ -203,9 +203,9 @@ mod tests {
 
     #[test]
     fn every_point_is_named() {
-        let points = vec![point("first", 2.0, 0), point("second", 4.0, 7), point("third", 4.0, 7)];
+        let points = vec![point("alpha", 2.0, 0), point("beta", 4.0, 7), point("gamma", 4.0, 7)];
         let svg = speed_and_faults(&[("typical", points.clone()), ("hard", points)]).expect("a chart");
-        for name in ["first", "second", "third"] {
+        for name in ["alpha", "beta", "gamma"] {
             assert_eq!(svg.matches(name).count(), 1, "{name} in {svg}");
         }
         assert!(speed_and_faults(&[("empty", Vec::new())]).is_err());

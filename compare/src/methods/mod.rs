@@ -115,7 +115,7 @@ mod tests {
                 let [bits, misses] = differing(&method, mesh);
                 println!("{}: {bits} differ, {misses} of them in whether anything is hit", method.name);
                 match method.handling {
-                    Handling::AsPublished => assert!(misses < 200, "{}", method.name),
+                    Handling::AsPublished => assert!(misses < 500, "{}", method.name),
                     _ => assert_eq!(bits, 0, "{}", method.name),
                 }
             }
